@@ -1,0 +1,83 @@
+"""The errors that mien raises, and the notes it leaves.
+
+::
+
+    MienError
+    ├── InputError          what was given cannot be used: a file, a text, an option
+    │   └── AlignmentError  the sound and its text could not be brought together
+    ├── OutputError         the result cannot be written where it was asked for
+    └── MissingPartError    an optional part (a voice, a decoder) is not installed
+
+Every message is one line: what was expected, what came, where, and what to do.
+The command line prints it and ends with exit code 2.
+
+What is worth saying but does not stop the work is a `Note`, carried by the result
+(`Utterance.notes`, `Animation.notes`), never printed by the library itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Literal
+
+__all__ = [
+    "AlignmentError",
+    "InputError",
+    "MienError",
+    "MissingPartError",
+    "Note",
+    "OutputError",
+    "unknown_name",
+]
+
+
+class MienError(Exception):
+    """Root of all errors raised on purpose by mien."""
+
+
+class InputError(MienError):
+    """What was given cannot be used."""
+
+
+class AlignmentError(InputError):
+    """The sound and its text could not be brought together."""
+
+
+class OutputError(MienError):
+    """The result cannot be written where it was asked for."""
+
+
+class MissingPartError(MienError):
+    """An optional part is needed and not installed."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something a person should know about a result that was made all the same.
+
+    Attributes
+    ----------
+    kind : {"note", "warning"}
+        A note says what was done with odd input; a warning says that the result may be poor.
+    message : str
+        One line.
+    """
+
+    kind: Literal["note", "warning"]
+    message: str
+
+
+def unknown_name(what: str, given: str, known: Iterable[str]) -> InputError:
+    """Make the error for a name that is not known, with the nearest one that is.
+
+    Examples
+    --------
+    >>> str(unknown_name("emotion", "hapy", ["happy", "sad"]))
+    "unknown emotion 'hapy': did you mean 'happy'? known: happy, sad"
+    """
+    names = sorted(known)
+    near = get_close_matches(given, names, n=1)
+    guess = f" did you mean {near[0]!r}?" if near else ""
+    return InputError(f"unknown {what} {given!r}:{guess} known: {', '.join(names)}")
