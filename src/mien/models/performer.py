@@ -1,0 +1,79 @@
+"""`Performer`: the models that together make one person's way of moving."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.models.authored_expression import AuthoredExpression
+from mien.models.authored_idle import AuthoredIdle
+from mien.models.authored_mouth import AuthoredMouth, MouthMotion
+from mien.script.score import Score
+from mien.speech.utterance import Utterance
+from mien.timeline import FrameRate
+
+__all__ = ["ExpressionModel", "IdleModel", "MouthModel", "Performer"]
+
+
+class MouthModel(Protocol):
+    """Phones in, mouth motion out."""
+
+    def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
+        """Mouth channels and lip seal for every frame that covers the sound."""
+
+
+class ExpressionModel(Protocol):
+    """Emotions in, expression channels out."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Emotions that can be asked for."""
+
+    @property
+    def sealed_share(self) -> NDArray[np.float64]:
+        """Share of each channel that remains while the lips are sealed, shape (channels,)."""
+
+    def check(self, score: Score) -> None:
+        """Refuse a score that asks for what the model does not have."""
+
+    def perform(
+        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator
+    ) -> NDArray[np.float64]:
+        """Expression channels, shape (frames, channels)."""
+
+
+class IdleModel(Protocol):
+    """Blinks, glances, head sway."""
+
+    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> NDArray[np.float64]:
+        """Idle channels, shape (frames, channels)."""
+
+
+@dataclass(frozen=True)
+class Performer:
+    """One person's way of moving.
+
+    Attributes
+    ----------
+    name : str
+    mouth, expression, idle
+        The models for speech, emotion and signs of life.
+
+    Examples
+    --------
+    >>> Performer.authored().name
+    'authored'
+    """
+
+    name: str
+    mouth: MouthModel
+    expression: ExpressionModel
+    idle: IdleModel
+
+    @classmethod
+    def authored(cls) -> Performer:
+        """The performer that needs no recordings: key shapes, poses and rules made by hand."""
+        return cls("authored", AuthoredMouth(), AuthoredExpression(), AuthoredIdle())

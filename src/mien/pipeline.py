@@ -1,0 +1,77 @@
+"""THE pipeline: Utterance + Score + Performer -> Animation. Pure steps; read this first.
+
+mouth       what the phones ask of the mouth, and when the lips must stay shut
+expression  what the emotions ask of the whole face
+idle        blinks, glances, a moving head
+blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien import channels
+from mien.animation import Animation, Provenance
+from mien.models.performer import Performer
+from mien.script.score import Score
+from mien.speech.utterance import Utterance
+from mien.timeline import FrameRate
+from mien.tracks import ChannelTrack
+
+__all__ = ["blend", "perform"]
+
+_WEIGHTS = slice(0, len(channels.ARKIT) + len(channels.TONGUE))
+_BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
+_LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
+
+
+def perform(utterance: Utterance, score: Score, performer: Performer, rate: FrameRate, seed: int = 0) -> Animation:
+    """Let a performer speak an utterance as the score directs.
+
+    Parameters
+    ----------
+    utterance : Utterance
+    score : Score
+    performer : Performer
+    rate : FrameRate
+        Of the animation.
+    seed : int
+        The same seed, input and version give the same animation, bit for bit.
+
+    Returns
+    -------
+    Animation
+        Covers the sound: ``rate.frames_covering(utterance.duration)`` frames.
+    """
+    for_expression, for_idle = np.random.default_rng(seed).spawn(2)
+    mouth = performer.mouth.perform(utterance, rate)
+    expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
+    idle = performer.idle.perform(utterance, rate, for_idle)
+    share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
+    return Animation(
+        channels=ChannelTrack(channels.ALL, blend(mouth.values, expression * share, idle), rate),
+        markers=None,
+        utterance=utterance,
+        score=score,
+        provenance=Provenance(performer.name, seed, version("mien")),
+        notes=utterance.notes,
+    )
+
+
+def blend(
+    mouth: NDArray[np.float64], expression: NDArray[np.float64], idle: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay expression and idle motion over the speaking mouth; all of shape (frames, channels).
+
+    A blink takes the lids from whatever holds them: squint and wide eyes fade as the lids close.
+    Weights are kept in [0, 1]; head angles add up.
+    """
+    values: NDArray[np.float64] = mouth + expression + idle
+    blink = np.clip(idle[:, _BLINK].max(axis=1), 0, 1)
+    values[:, _LIDS] *= 1 - blink[:, None]
+    values[:, _BLINK] = 1 - (1 - np.clip((mouth + expression)[:, _BLINK], 0, 1)) * (1 - blink[:, None])
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    return values
