@@ -1,0 +1,67 @@
+"""Running a voice's network with onnxruntime, with one inner value more among its outputs."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from mien.errors import MissingPartError
+
+if TYPE_CHECKING:
+    import onnxruntime
+
+__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "with_output"]
+
+RUNTIME_PACKAGE = "onnxruntime"
+_THREADS = 2
+_ERRORS_ONLY = 3
+
+
+def have_runtime() -> bool:
+    """Whether onnxruntime is installed."""
+    return find_spec(RUNTIME_PACKAGE) is not None
+
+
+def with_output(model: bytes, name: str) -> bytes:
+    r"""The same ONNX model with the inner value ``name`` among its outputs.
+
+    An ONNX file is a protocol buffer, and a message that comes twice in one is merged. So a second, nearly empty
+    ``ModelProto.graph`` (field 7) that holds just one ``GraphProto.output`` (field 12, whose field 1 is the name)
+    appended to the file adds an output without parsing or copying the graph.
+
+    Examples
+    --------
+    >>> with_output(b"", "/a")
+    b':\x06b\x04\n\x02/a'
+    """
+    value = _field(1, name.encode("utf-8"))
+    return model + _field(7, _field(12, value))
+
+
+def _field(number: int, content: bytes) -> bytes:
+    """A length-delimited protocol buffer field, up to 127 bytes long."""
+    return bytes([number << 3 | 2, len(content)]) + content
+
+
+def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
+    """Open a model for running on two threads.
+
+    Raises
+    ------
+    MissingPartError
+        If the model's file is damaged, or onnxruntime cannot run it.
+    """
+    import onnxruntime
+    from onnxruntime.capi import onnxruntime_pybind11_state as failures
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = _THREADS
+    options.inter_op_num_threads = 1
+    options.log_severity_level = _ERRORS_ONLY
+    try:
+        return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+    except (failures.InvalidProtobuf, failures.InvalidGraph, failures.Fail, failures.NotImplemented) as problem:
+        reason = str(problem).splitlines()[0][:120]
+        raise MissingPartError(
+            f"the network of the voice {whose} cannot be opened ({reason}): reinstall it"
+        ) from problem

@@ -1,0 +1,104 @@
+"""What a voice is asked to say: sentences of words with their phones and the marks after them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from mien.speech.pronunciation import Pronunciation, pronounce
+from mien.speech.text import SpokenText
+
+__all__ = ["Sentence", "Word", "sentences_of", "shorter_than"]
+
+_FULL_STOPS = ".?!"
+
+
+@dataclass(frozen=True)
+class Word:
+    """One word.
+
+    Attributes
+    ----------
+    text : str
+        Lower case, as spoken; a letter said by its name carries a full stop: ``"b."``.
+    phones : tuple of str
+        ARPAbet without stress digits.
+    mark : str
+        The punctuation that follows: ``""`` or one of ``. ? ! : ; , -``.
+    """
+
+    text: str
+    phones: Pronunciation
+    mark: str = ""
+
+    @property
+    def plain(self) -> str:
+        """Letters and apostrophes only, as engines that read text want it; a letter's name as a capital."""
+        return self.text[0].upper() + self.text[2:] if self.text[1:2] == "." else self.text
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Words up to a full stop, question or exclamation mark."""
+
+    words: tuple[Word, ...]
+
+    @property
+    def text(self) -> str:
+        """The words and their marks as one line.
+
+        Examples
+        --------
+        >>> Sentence((Word("oh", ("OW",), ","), Word("no", ("N", "OW"), "!"))).text
+        'oh, no!'
+        """
+        return " ".join(word.plain + word.mark.replace("-", " -") for word in self.words)
+
+    @property
+    def mark(self) -> str:
+        """The mark that ends it, ``""`` if it was cut elsewhere."""
+        return self.words[-1].mark
+
+
+def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
+    """Cut a text into sentences and look its words up; the last one always ends with a mark.
+
+    Examples
+    --------
+    >>> from mien.speech.text import spoken_words
+    >>> [sentence.text for sentence in sentences_of(spoken_words("Oh no! It is 5 o'clock, Bob"))]
+    ['oh no!', "it is five o'clock, bob."]
+    """
+    sentences: list[Sentence] = []
+    words: list[Word] = []
+    for place, word in enumerate(spoken.words):
+        words.append(Word(word.text, pronounce(word.text), word.pause))
+        last = place == len(spoken.words) - 1
+        if last and word.pause not in tuple(_FULL_STOPS):
+            words[-1] = replace(words[-1], mark=".")
+        if last or words[-1].mark in tuple(_FULL_STOPS):
+            sentences.append(Sentence(tuple(words)))
+            words = []
+    return tuple(sentences)
+
+
+def shorter_than(limit: int, sentence: Sentence) -> Iterator[Sentence]:
+    """Cut a sentence into pieces of fewer than ``limit`` phones, at the last mark that fits, else between words.
+
+    Examples
+    --------
+    >>> long = Sentence(tuple(Word("no", ("N", "OW"), "," if i == 1 else "") for i in range(5)))
+    >>> [len(piece.words) for piece in shorter_than(8, long)]
+    [2, 3]
+    """
+    rest = sentence.words
+    while rest:
+        count, phones = 0, 0
+        while count < len(rest) and (count == 0 or phones + len(rest[count].phones) < limit):
+            phones += len(rest[count].phones)
+            count += 1
+        if count < len(rest):
+            marked = [place for place in range(count, count // 3, -1) if rest[place - 1].mark]
+            count = marked[0] if marked else count
+        yield Sentence(rest[:count])
+        rest = rest[count:]

