@@ -25,7 +25,7 @@ Samples = NDArray[np.float64]
 def read_audio(path: str | Path) -> tuple[Audio, tuple[Note, ...]]:
     """Read a sound file, or the sound track of a video.
 
-    WAV, FLAC, OGG and AIFF are read by libsndfile; everything else (MP3, M4A, MP4, MKV, MPG, ...) by FFmpeg's libraries.
+    WAV, FLAC, OGG and AIFF are read by libsndfile; all else (MP3, M4A, MP4, MKV, MPG, ...) by FFmpeg's libraries.
     Several channels are averaged, rates above `KEPT_RATE` resampled; both are noted.
 
     Parameters
@@ -135,8 +135,8 @@ def _decode_with_av(path: Path) -> tuple[Samples, int]:
             rate, promised = stream.rate, _promised_seconds(stream)
             planar = av.AudioResampler(format="dblp", layout=stream.layout, rate=rate)
             for frame in container.decode(stream):
-                pieces += [out.to_ndarray().T for out in planar.resample(frame)]
-            pieces += [out.to_ndarray().T for out in planar.resample(None)]
+                pieces += [out.to_ndarray().T.astype(np.float64) for out in planar.resample(frame)]
+            pieces += [out.to_ndarray().T.astype(np.float64) for out in planar.resample(None)]
     except av.FFmpegError as problem:
         if not pieces:
             raise InputError(

@@ -1,0 +1,56 @@
+# make demo   the main job on a fresh clone: makes the environment, speaks a sentence, shows where the results lie
+# make test   all tests (sets up what they need)
+# make check  format, lint, types, import contract
+# make sheets the pictures in docs/, make tables the tables in docs/
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+DEMO ?= demo
+SENTENCE ?= I never said that. Maybe five people heard my voice!
+
+.PHONY: demo test check format wheel sheets tables clean
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.core: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.core
+	$(PIP) install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+demo: $(VENV)/.core
+	@mkdir -p $(DEMO)
+	@echo "1. a sentence"
+	$(BIN)/mien say "$(SENTENCE)" --emotion happy:0.5 -o $(DEMO)/sentence.mp4 --also $(DEMO)/sentence.glb --also $(DEMO)/sentence.wav
+	@echo "2. a recording with its text (the sound of the first step)"
+	$(BIN)/mien animate $(DEMO)/sentence.wav --text "$(SENTENCE)" -o $(DEMO)/recording.mp4 --also $(DEMO)/recording.glb
+	@echo
+	@echo "Watch:   $(abspath $(DEMO))/sentence.mp4"
+	@echo "         $(abspath $(DEMO))/recording.mp4"
+	@echo "Open:    $(abspath $(DEMO))/sentence.glb (any 3D program)"
+	@echo "         $(abspath $(DEMO))/recording.glb"
+
+test: $(VENV)/.dev
+	$(BIN)/python -m pytest
+
+check: $(VENV)/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+format: $(VENV)/.dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+wheel: $(VENV)/.dev
+	$(PIP) wheel --quiet --no-deps --wheel-dir dist .
+	@ls -l dist
+
+clean:
+	rm -rf $(VENV) $(DEMO) build dist

@@ -1,0 +1,216 @@
+"""The calls most people need: `say`, `animate`, `align`, `save`. The command line calls these and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from mien.animation import Animation
+from mien.audio import Audio
+from mien.audio_files import read_audio
+from mien.errors import InputError, Note
+from mien.models.performer import Performer
+from mien.pipeline import perform
+from mien.script.score import EmotionSpan, Score
+from mien.speech.utterance import Utterance
+from mien.timeline import FrameRate
+
+__all__ = ["DEFAULT_FPS", "align", "animate", "read_text", "save", "say"]
+
+DEFAULT_FPS = 30
+
+Progress = Callable[[int, int], None]
+Rate = float | str | Fraction | FrameRate
+Emotions = str | EmotionSpan | Sequence[EmotionSpan] | None
+
+
+def say(
+    text: str,
+    *,
+    emotion: Emotions = None,
+    voice: str | None = None,
+    fps: Rate = DEFAULT_FPS,
+    seed: int = 0,
+    performer: Performer | None = None,
+) -> Animation:
+    """Speak a text with a synthetic voice and perform it.
+
+    Parameters
+    ----------
+    text : str
+        English, as written: numbers, dates and abbreviations are read out.
+    emotion : str, EmotionSpan, sequence of EmotionSpan, or None
+        ``"happy"``, ``"happy:0.6"``, or spans in time.
+    voice : str or None
+        Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
+    fps : float, str or FrameRate
+        Frames per second of the animation.
+    seed : int
+        Same text, options, seed and version: same animation, bit for bit.
+    performer : Performer or None
+        None takes the default performer.
+
+    Raises
+    ------
+    InputError
+        If the text is empty or cannot be spoken, or an option is not understood.
+    MissingPartError
+        If no voice is installed.
+
+    Examples
+    --------
+    >>> import mien
+    >>> line = mien.say("I never said that.", emotion="angry:0.7")  # doctest: +SKIP
+    >>> mien.save(line, "line.mp4", "line.glb")  # doctest: +SKIP
+    """
+    from mien.speech.synthesis import synthesise
+
+    performer, score, rate = _prepared(performer, emotion, fps, seed)
+    return perform(synthesise(text, voice=voice, seed=seed), score, performer, rate, seed)
+
+
+def animate(
+    audio: str | Path | Audio,
+    *,
+    text: str | Path | None = None,
+    emotion: Emotions = None,
+    fps: Rate = DEFAULT_FPS,
+    seed: int = 0,
+    performer: Performer | None = None,
+) -> Animation:
+    """Perform recorded speech.
+
+    Parameters
+    ----------
+    audio : str, Path or Audio
+        A sound file, a video with a sound track, or samples.
+    text : str, Path or None
+        What is said, or a text file that holds it. Without it phones are recognised, which is approximate.
+    emotion, fps, seed, performer
+        As for `say`.
+
+    Raises
+    ------
+    InputError
+        If the sound cannot be read or an option is not understood.
+    """
+    performer, score, rate = _prepared(performer, emotion, fps, seed)
+    return perform(_heard(audio, text), score, performer, rate, seed)
+
+
+def align(audio: str | Path | Audio, text: str | Path) -> Utterance:
+    """Find when each word and phone of a text is said in a sound (forced alignment).
+
+    Raises
+    ------
+    InputError
+        If sound or text cannot be read, or cannot be brought together.
+    """
+    return _heard(audio, text)
+
+
+def save(animation: Animation, *paths: str | Path, face: str = "default", progress: Progress | None = None) -> None:
+    """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
+
+    Parameters
+    ----------
+    animation : Animation
+    *paths : str or Path
+        ``.mp4 .glb .csv .TextGrid .json .png``; all are checked before the first is written.
+    face : str
+        Name of the face for the formats that show one.
+    progress : callable (done, total) or None
+        Called while frames are drawn.
+
+    Raises
+    ------
+    InputError
+        If a suffix or the face is not known.
+    OutputError
+        If a file cannot be written; nothing is left half-written.
+    """
+    from mien.face.library import load_face
+    from mien.output.registry import check_output, needs_face
+    from mien.output.registry import save as save_one
+
+    targets = [check_output(path) for path in paths]
+    shown = load_face(face) if any(needs_face(target) for target in targets) else None
+    for target in targets:
+        save_one(animation, target, face=shown, progress=progress)
+
+
+def read_text(text: str | Path) -> str:
+    """The text itself, or the content of the file that it names.
+
+    Raises
+    ------
+    InputError
+        If it names a file that is missing or is not UTF-8 text.
+
+    Examples
+    --------
+    >>> read_text("I never said that.")
+    'I never said that.'
+    """
+    path = Path(text)
+    is_name = isinstance(text, Path) or (path.suffix.lower() in (".txt", ".lab") and len(str(text).split()) == 1)
+    try:
+        is_file = path.is_file()
+    except OSError:  # a text too long to be a file name
+        is_file = False
+    if not is_file:
+        if is_name:
+            raise InputError(f"{text}: no such text file")
+        return str(text)
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise InputError(
+            f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}; save it as UTF-8"
+        ) from (problem)
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+
+
+def _prepared(
+    performer: Performer | None, emotion: Emotions, fps: Rate, seed: int
+) -> tuple[Performer, Score, FrameRate]:
+    """Check every option before any long work begins."""
+    performer = performer or Performer.authored()
+    if seed < 0:
+        raise InputError(f"a seed is a whole number, 0 or more, not {seed}")
+    score = _score(emotion)
+    performer.expression.check(score)
+    return performer, score, FrameRate.of(fps)
+
+
+def _score(emotion: Emotions) -> Score:
+    if emotion is None:
+        return Score()
+    if isinstance(emotion, str):
+        return Score((EmotionSpan.parse(emotion),))
+    if isinstance(emotion, EmotionSpan):
+        return Score((emotion,))
+    return Score(tuple(emotion))
+
+
+def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:
+    """Words and phones of a sound, with the notes on reading it."""
+    said = read_text(text) if text is not None else None
+    if said is not None and not said.strip():
+        raise InputError(
+            "expected a text that says what is spoken, got an empty one; leave it out to have it recognised"
+        )
+    notes: tuple[Note, ...] = ()
+    if not isinstance(audio, Audio):
+        audio, notes = read_audio(audio)
+    if said is None:
+        from mien.speech.recognise import recognise
+
+        utterance = recognise(audio)
+    else:
+        from mien.speech.align import align as force_align
+
+        utterance = force_align(audio, said)
+    return utterance.with_notes(*notes)

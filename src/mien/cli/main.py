@@ -1,0 +1,180 @@
+"""``mien``: reads the arguments, calls `mien.api`, tells what happened.
+
+Exit codes: 0 done; 1 ``mien doctor`` found a fault; 2 the input, an option or an output cannot be used; 130 stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, NoReturn
+
+from mien.errors import MienError, Note
+
+if TYPE_CHECKING:
+    from mien.animation import Animation
+
+__all__ = ["main"]
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Say it in one line, like every other error."""
+        self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.run(options)
+        sys.stdout.flush()
+        return code
+    except MienError as problem:
+        print(f"mien: error: {_one_line(problem)}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("mien: stopped; nothing half-written was left", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 0
+
+
+def _one_line(problem: BaseException) -> str:
+    return " ".join(str(problem).split())
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="mien", description="Speech or text in, an expressive 3D talking face out.")
+    parser.add_argument("--version", action="version", version=f"mien {version('mien')}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
+
+    say = commands.add_parser("say", help="speak a text and perform it")
+    say.add_argument("text", metavar="TEXT", help="what to say; '-' reads it from standard input")
+    say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    _add_performance_options(say)
+    say.set_defaults(run=_say)
+
+    animate = commands.add_parser("animate", help="perform recorded speech")
+    animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
+    animate.add_argument("--text", metavar="FILE_OR_TEXT", help="what is said; without it phones are recognised")
+    animate.add_argument("--voice", help=argparse.SUPPRESS)
+    _add_performance_options(animate)
+    animate.set_defaults(run=_animate)
+
+    align = commands.add_parser("align", help="find when each word and phone is said")
+    align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
+    align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
+    align.add_argument("-o", "--output", metavar="X.TextGrid", required=True, help="the file to write")
+    align.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    align.set_defaults(run=_align)
+
+    doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
+    doctor.set_defaults(run=_doctor)
+    return parser
+
+
+def _add_performance_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="file to write; its suffix picks the format: .mp4 .glb .csv .TextGrid .json .png",
+    )
+    parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
+    parser.add_argument("--fps", default="30", help="frames per second (default 30)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
+    parser.add_argument("--face", default="default", help="the face to show (default: default)")
+    parser.add_argument("--emotion", metavar="NAME[:0..1]", help="such as happy or sad:0.4")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _say(options: argparse.Namespace) -> int:
+    from mien import api
+
+    _check_outputs(options)
+    text = sys.stdin.read() if options.text == "-" else options.text
+    animation = api.say(text, emotion=options.emotion, voice=options.voice, fps=options.fps, seed=options.seed)
+    return _finish(animation, options)
+
+
+def _animate(options: argparse.Namespace) -> int:
+    from mien import api
+    from mien.errors import InputError
+
+    if options.voice is not None:
+        raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
+    _check_outputs(options)
+    animation = api.animate(
+        options.audio, text=options.text, emotion=options.emotion, fps=options.fps, seed=options.seed
+    )
+    return _finish(animation, options)
+
+
+def _check_outputs(options: argparse.Namespace) -> None:
+    """Refuse an output or a face that cannot be had before any work is done."""
+    from mien.face.library import check_face
+    from mien.output.registry import check_output
+
+    for path in (options.output, *options.also):
+        check_output(path)
+    check_face(options.face)
+
+
+def _finish(animation: Animation, options: argparse.Namespace) -> int:
+    from mien import api
+
+    _tell(animation.notes, options.quiet)
+    outputs = (options.output, *options.also)
+    if options.quiet or not sys.stderr.isatty():
+        api.save(animation, *outputs, face=options.face)
+    else:
+        from tqdm import tqdm
+
+        with tqdm(unit=" frames", desc="drawing", leave=False) as bar:
+
+            def progress(done: int, total: int) -> None:
+                bar.total = total
+                bar.update(done - bar.n)
+
+            api.save(animation, *outputs, face=options.face, progress=progress)
+    if not options.quiet:
+        seconds = animation.utterance.duration
+        print(f"{', '.join(outputs)}: {seconds:.2f} s, {len(animation.channels)} frames at {animation.rate} fps")
+    return 0
+
+
+def _align(options: argparse.Namespace) -> int:
+    from mien import api
+    from mien.errors import InputError
+    from mien.output.registry import check_output
+    from mien.output.textgrid import write_textgrid
+
+    if not options.output.lower().endswith(".textgrid"):
+        raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
+    path = check_output(options.output)
+    utterance = api.align(options.audio, options.text)
+    write_textgrid((utterance.words, utterance.phones), utterance.duration, path)
+    _tell(utterance.notes, options.quiet)
+    if not options.quiet:
+        spoken = len(utterance.words)
+        print(f"{options.output}: {spoken} words, {len(utterance.phones)} phones and pauses")
+    return 0
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    from mien.diagnosis import doctor
+
+    report = doctor()
+    print(report)
+    return 0 if report.healthy else 1
+
+
+def _tell(notes: Iterable[Note], quiet: bool) -> None:
+    if not quiet:
+        for note in notes:
+            print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
