@@ -10,6 +10,7 @@ from mien.animation import Animation
 from mien.audio import Audio
 from mien.audio_files import read_audio
 from mien.errors import InputError, Note
+from mien.face.face import Face
 from mien.models.performer import Performer
 from mien.pipeline import perform
 from mien.script.score import EmotionSpan, Score
@@ -110,7 +111,9 @@ def align(audio: str | Path | Audio, text: str | Path) -> Utterance:
     return _heard(audio, text)
 
 
-def save(animation: Animation, *paths: str | Path, face: str = "default", progress: Progress | None = None) -> None:
+def save(
+    animation: Animation, *paths: str | Path, face: str | Face = "default", progress: Progress | None = None
+) -> tuple[Note, ...]:
     """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
 
     Parameters
@@ -118,10 +121,15 @@ def save(animation: Animation, *paths: str | Path, face: str = "default", progre
     animation : Animation
     *paths : str or Path
         ``.mp4 .glb .csv .TextGrid .json .png``; all are checked before the first is written.
-    face : str
-        Name of the face for the formats that show one.
+    face : str or Face
+        The face for the formats that show one, by name or loaded.
     progress : callable (done, total) or None
         Called while frames are drawn.
+
+    Returns
+    -------
+    tuple of Note
+        What a format could not hold beyond what it always loses.
 
     Raises
     ------
@@ -131,13 +139,12 @@ def save(animation: Animation, *paths: str | Path, face: str = "default", progre
         If a file cannot be written; nothing is left half-written.
     """
     from mien.face.library import load_face
-    from mien.output.registry import check_output, needs_face
+    from mien.output.registry import check_output
     from mien.output.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
-    shown = load_face(face) if any(needs_face(target) for target in targets) else None
-    for target in targets:
-        save_one(animation, target, face=shown, progress=progress)
+    shown = load_face(face) if isinstance(face, str) else face
+    return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))
 
 
 def read_text(text: str | Path) -> str:

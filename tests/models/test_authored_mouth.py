@@ -7,51 +7,12 @@ from hypothesis import strategies as st
 
 from mien import channels
 from mien.models.authored_mouth import AuthoredMouth, cosine_interpolation
+from mien.speech.phones import phone_table
 from mien.timeline import FrameRate
 from tests.utterances import utterance
 
 MOUTH = AuthoredMouth()
-ARPABET = [
-    "AA",
-    "AE",
-    "AH",
-    "AO",
-    "AW",
-    "AY",
-    "B",
-    "CH",
-    "D",
-    "DH",
-    "EH",
-    "ER",
-    "EY",
-    "F",
-    "G",
-    "HH",
-    "IH",
-    "IY",
-    "JH",
-    "K",
-    "L",
-    "M",
-    "N",
-    "NG",
-    "OW",
-    "OY",
-    "P",
-    "R",
-    "S",
-    "SH",
-    "T",
-    "TH",
-    "UH",
-    "UW",
-    "V",
-    "W",
-    "Y",
-    "Z",
-    "ZH",
-]
+ARPABET = sorted(phone_table())
 
 
 def test_every_phone_has_a_shape_and_there_are_thirteen_shapes() -> None:

@@ -15,6 +15,7 @@ from mien.errors import MienError, Note
 
 if TYPE_CHECKING:
     from mien.animation import Animation
+    from mien.face.face import Face
 
 __all__ = ["main"]
 
@@ -96,10 +97,10 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
 def _say(options: argparse.Namespace) -> int:
     from mien import api
 
-    _check_outputs(options)
+    face = _checked_face(options)
     text = sys.stdin.read() if options.text == "-" else options.text
     animation = api.say(text, emotion=options.emotion, voice=options.voice, fps=options.fps, seed=options.seed)
-    return _finish(animation, options)
+    return _finish(animation, face, options)
 
 
 def _animate(options: argparse.Namespace) -> int:
@@ -108,40 +109,39 @@ def _animate(options: argparse.Namespace) -> int:
 
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
-    _check_outputs(options)
+    face = _checked_face(options)
     animation = api.animate(
         options.audio, text=options.text, emotion=options.emotion, fps=options.fps, seed=options.seed
     )
-    return _finish(animation, options)
+    return _finish(animation, face, options)
 
 
-def _check_outputs(options: argparse.Namespace) -> None:
-    """Refuse an output or a face that cannot be had before any work is done."""
-    from mien.face.library import check_face
+def _checked_face(options: argparse.Namespace) -> Face:
+    """The face to show; an output or a face that cannot be had is refused before any work is done."""
+    from mien.face.library import load_face
     from mien.output.registry import check_output
 
     for path in (options.output, *options.also):
         check_output(path)
-    check_face(options.face)
+    return load_face(options.face)
 
 
-def _finish(animation: Animation, options: argparse.Namespace) -> int:
+def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
     from mien import api
 
     _tell(animation.notes, options.quiet)
     outputs = (options.output, *options.also)
-    if options.quiet or not sys.stderr.isatty():
-        api.save(animation, *outputs, face=options.face)
-    else:
-        from tqdm import tqdm
+    hidden = options.quiet or not sys.stderr.isatty()
+    with tqdm(unit=" frames", desc="drawing", leave=False, disable=hidden) as bar:
 
-        with tqdm(unit=" frames", desc="drawing", leave=False) as bar:
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
 
-            def progress(done: int, total: int) -> None:
-                bar.total = total
-                bar.update(done - bar.n)
-
-            api.save(animation, *outputs, face=options.face, progress=progress)
+        notes = api.save(animation, *outputs, face=face, progress=progress)
+    _tell(notes, options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration
         print(f"{', '.join(outputs)}: {seconds:.2f} s, {len(animation.channels)} frames at {animation.rate} fps")
