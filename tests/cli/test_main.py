@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from mien.cli import main
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """The one line that a refused command prints; it ends with exit code 2."""
+    try:
+        code = main(arguments)
+    except SystemExit as stop:  # argparse
+        code = stop.code  # type: ignore[assignment]
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert "Traceback" not in captured.err
+    return captured.err
+
+
+@pytest.fixture
+def sound(tmp_path: Path) -> Path:
+    path = tmp_path / "sound.wav"
+    soundfile.write(path, 0.1 * np.random.default_rng(1).standard_normal(16000), 16000)
+    return path
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out.startswith("mien 0.")
+
+
+def test_help_loads_no_heavy_library() -> None:
+    script = (
+        "import sys\n"
+        "from mien.cli import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
+        "heavy = {'numpy', 'scipy', 'numba', 'av', 'PIL'} & set(sys.modules)\n"
+        "sys.exit(f'loaded: {heavy}' if heavy else 0)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["say", "Hello.", "-o", "{dir}/a.mp5"], "did you mean '.mp4'"),
+        (["say", "Hello.", "-o", "{dir}/a"], "end its name in one of"),
+        (["say", "Hello.", "-o", "{dir}"], "end its name in one of"),
+        (["say", "Hello.", "-o", "{dir}/nowhere/a.csv"], "does not exist"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--also", "{dir}/b.doc"], "unknown output format '.doc'"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "hapy"], "did you mean 'happy'"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "happy:7"], "from 0 to 1, not 7"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "happy:-1"], "from 0 to 1"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "happy:nan"], "from 0 to 1"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "happy:much"], "NAME:0..1"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--fps", "0"], "above 0"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--fps", "fast"], "frame rate"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--seed", "-1"], "seed"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--seed", "x"], "--seed"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--face", "nobody"], "unknown face 'nobody'"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--voice", "nobody"], "unknown voice 'nobody'"),
+        (["say", "", "-o", "{dir}/a.csv"], "empty"),
+        (["say", "  \n ", "-o", "{dir}/a.csv"], "empty"),
+        (["say", "Привет, мир", "-o", "{dir}/a.csv"], "Cyrillic"),
+        (["say", "你好", "-o", "{dir}/a.csv"], "你好"),
+        (["animate", "{dir}/missing.wav", "-o", "{dir}/a.csv"], "no such file"),
+        (["animate", "{sound}", "--text", "", "-o", "{dir}/a.csv"], "empty"),
+        (["animate", "{sound}", "--text", "missing.txt", "-o", "{dir}/a.csv"], "no such text file"),
+        (["animate", "{sound}", "--voice", "x", "-o", "{dir}/a.csv"], "--voice is for 'mien say'"),
+        (["align", "{sound}", "--text", "hello", "-o", "{dir}/a.csv"], "writes a .TextGrid"),
+        (["align", "{sound}", "-o", "{dir}/a.TextGrid"], "--text"),
+        (["sing", "la"], "invalid choice"),
+        ([], "COMMAND"),
+    ],
+)
+def test_bad_input_gets_one_line_and_exit_code_2(
+    arguments: list[str], words: str, tmp_path: Path, sound: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(tmp_path.iterdir())
+    line = refused(capsys, *(a.format(dir=tmp_path, sound=sound) for a in arguments))
+    assert words in line
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_text_that_is_not_utf8_is_refused(tmp_path: Path, sound: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "line.txt").write_bytes(b"caf\xe9")
+    line = refused(capsys, "animate", str(sound), "--text", str(tmp_path / "line.txt"), "-o", str(tmp_path / "a.csv"))
+    assert "UTF-8" in line
+    assert "byte 3" in line
+
+
+def test_stopping_by_hand_ends_with_130(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mien.api.say", stop)
+    assert main(["say", "Hello.", "-o", str(tmp_path / "a.csv")]) == 130
+    assert "stopped" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

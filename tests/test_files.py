@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from mien.errors import OutputError
+from mien.files import check_writable, replace_when_complete
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    path.write_text("old")
+
+    def fail() -> None:
+        with replace_when_complete(path) as unfinished:
+            unfinished.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail()
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_success_replaces_and_keeps_the_usual_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    with replace_when_complete(path) as unfinished:
+        assert unfinished.suffix == ".csv"
+        unfinished.write_text("new")
+    plain = tmp_path / "plain"
+    plain.write_text("")
+    assert path.read_text() == "new"
+    assert path.stat().st_mode == plain.stat().st_mode
+
+
+def test_a_full_disk_is_said_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="the disk is full"), replace_when_complete(tmp_path / "a.csv"):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_impossible_places_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="is a folder"):
+        check_writable(tmp_path)
+    with pytest.raises(OutputError, match="does not exist"):
+        check_writable(tmp_path / "nowhere" / "a.csv")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="is not a folder"):
+        check_writable(tmp_path / "file" / "a.csv")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(OutputError, match="permission denied"):
+        check_writable(tmp_path / "a.csv")
