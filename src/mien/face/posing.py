@@ -25,7 +25,7 @@ from mien.channels import ALL
 from mien.errors import InputError, unknown_name
 from mien.face.face import Eye, Face, Part
 
-__all__ = ["PosedFace", "PosedPart", "Poser", "eye_rotation", "head_rotation", "pose_reference"]
+__all__ = ["PosedFace", "PosedPart", "Poser", "eye_rotation", "head_rotation", "pose_reference", "welded_vertices"]
 
 Floats = NDArray[np.float32]
 Indices = NDArray[np.int32]
@@ -246,7 +246,7 @@ def _surface(face: Face, column: dict[str, int]) -> _Surface:
             -1, 3
         ),
         head_weight=np.concatenate([np.zeros(0, np.float32), *weights]).astype(np.float32),
-        welded=_indices([_welded(part) + start for part, start in zip(face.parts, starts, strict=False)]),
+        welded=_indices([welded_vertices(part) + start for part, start in zip(face.parts, starts, strict=False)]),
         target_column=np.array([entry[0] for entry in moved], dtype=np.int32),
         target_start=np.cumsum([0, *(len(entry[1]) for entry in moved)]).astype(np.int32),
         target_vertex=_indices([entry[1] for entry in moved]),
@@ -265,7 +265,7 @@ def _indices(pieces: Sequence[NDArray[np.int32]]) -> Indices:
     return np.concatenate([np.zeros(0, np.int32), *(piece.reshape(-1) for piece in pieces)]).astype(np.int32)
 
 
-def _welded(part: Part) -> Indices:
+def welded_vertices(part: Part) -> Indices:
     """For each vertex the first one that lies *and moves* with it (lips that touch at rest stay two surfaces)."""
     mixture = np.zeros((len(part.vertices), 3))
     for number, name in enumerate(sorted(part.targets)):

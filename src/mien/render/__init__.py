@@ -1,1 +1,1 @@
-"""mien."""
+"""Headless rendering without any system package: a camera, a studio's lights, and a rasteriser for the processor."""

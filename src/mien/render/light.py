@@ -1,0 +1,180 @@
+# mypy: disable-error-code="no-untyped-def"
+"""How much light reaches every vertex: compiled kernels.
+
+Each distant light looks at the head once and keeps, per cell of a square map, how near to it the nearest surface is
+(`depth_maps`). A vertex that lies deeper than its cell is in shadow. The key light has a fine map; the fill, the rim and the
+dome have coarse ones, and together they darken what lies deep: the mouth, the nostrils, the sockets of the eyes
+(`vertex_light`). In skin, light then spreads to neighbours, red farthest (`spread_below_skin`).
+Every kernel writes each number from one thread only, so results do not depend on the number of threads.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+__all__ = ["KEY_CELLS", "SOFT_CELLS", "depth_maps", "light_axes", "spread_below_skin", "vertex_light"]
+
+KEY_CELLS, SOFT_CELLS = 768, 160
+_NOTHING = np.float32(-1e9)
+# How far a vertex is moved off its surface before it is held against a map, in mm: skin lets light round its edges.
+_OFF_HARD, _OFF_SKIN, _OFF_SOFT_CELLS = 0.7, 2.2, 1.0
+
+
+def light_axes(directions):
+    """Two axes across each light and the one towards it: float32, shape (lights, 3, 3)."""
+    axes = np.empty((len(directions), 3, 3), dtype=np.float32)
+    for number, towards in enumerate(directions.astype(np.float64)):
+        helper = np.array([0.0, 1.0, 0.0]) if abs(towards[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+        across = np.cross(helper, towards)
+        across /= np.linalg.norm(across)
+        axes[number] = across, np.cross(towards, across), towards
+    return axes
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def depth_maps(vertices, triangles, triangle_part, sheet, axes, centre, radius, key_map, soft_maps):
+    """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others."""
+    for light in prange(axes.shape[0]):
+        if light == 0:
+            _depth_map(vertices, triangles, triangle_part, sheet, axes[0], centre, radius, key_map)
+        else:
+            _depth_map(vertices, triangles, triangle_part, sheet, axes[light], centre, radius, soft_maps[light - 1])
+
+
+@njit(cache=True, error_model="numpy")
+def _depth_map(vertices, triangles, triangle_part, sheet, axes, centre, radius, depth):
+    cells = depth.shape[0]
+    scale = np.float32(0.5 * cells / radius)
+    half = np.float32(0.5 * cells)
+    depth[:] = _NOTHING
+    count = vertices.shape[0]
+    seen = np.empty((count, 3), np.float32)
+    for v in range(count):
+        x, y, z = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
+        seen[v, 0] = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + half
+        seen[v, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + half
+        seen[v, 2] = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+    for t in range(triangles.shape[0]):
+        if sheet[triangle_part[t]]:
+            continue
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        ax, ay, bx, by, cx, cy = seen[a, 0], seen[a, 1], seen[b, 0], seen[b, 1], seen[c, 0], seen[c, 1]
+        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        if area <= 0.0:
+            continue
+        # Cells whose centre (i + 0.5) may lie inside.
+        left = max(0, int(np.ceil(min(ax, bx, cx) - 0.5)))
+        right = min(cells - 1, int(np.floor(max(ax, bx, cx) - 0.5)))
+        low = max(0, int(np.ceil(min(ay, by, cy) - 0.5)))
+        high = min(cells - 1, int(np.floor(max(ay, by, cy) - 0.5)))
+        for j in range(low, high + 1):
+            py = np.float32(j + 0.5)
+            for i in range(left, right + 1):
+                px = np.float32(i + 0.5)
+                wa = (bx - px) * (cy - py) - (by - py) * (cx - px)
+                wb = (cx - px) * (ay - py) - (cy - py) * (ax - px)
+                wc = (ax - px) * (by - py) - (ay - py) * (bx - px)
+                if wa >= 0.0 and wb >= 0.0 and wc >= 0.0:
+                    near = (wa * seen[a, 2] + wb * seen[b, 2] + wc * seen[c, 2]) / area
+                    if near > depth[j, i]:
+                        depth[j, i] = near
+
+
+@njit(cache=True, error_model="numpy")
+def _share_seen(x, y, z, axes, scale, depth):
+    """Share of the light that reaches a point: the four nearest cells, each seen or not, mixed by nearness."""
+    cells = depth.shape[0]
+    u = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + 0.5 * cells - 0.5
+    v = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + 0.5 * cells - 0.5
+    near = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+    i, j = int(np.floor(u)), int(np.floor(v))
+    if i < 0 or j < 0 or i >= cells - 1 or j >= cells - 1:
+        return 1.0
+    fu, fv = u - i, v - j
+    share = 0.0
+    if near >= depth[j, i]:
+        share += (1 - fu) * (1 - fv)
+    if near >= depth[j, i + 1]:
+        share += fu * (1 - fv)
+    if near >= depth[j + 1, i]:
+        share += (1 - fu) * fv
+    if near >= depth[j + 1, i + 1]:
+        share += fu * fv
+    return share
+
+
+@njit(cache=True, error_model="numpy")
+def _key_share(x, y, z, axes, scale, depth):
+    """The key light is large: the mean over nine points of its map, a few cells apart, for a soft edge."""
+    step = 1.6 / scale
+    share = 0.0
+    for p in range(-1, 2):
+        for q in range(-1, 2):
+            dx = step * (p * axes[0, 0] + q * axes[1, 0])
+            dy = step * (p * axes[0, 1] + q * axes[1, 1])
+            dz = step * (p * axes[0, 2] + q * axes[1, 2])
+            share += _share_seen(x + dx, y + dy, z + dz, axes, scale, depth)
+    return share / 9.0
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def vertex_light(
+    vertices, normals, needed, scatter, axes, colours, wrap, centre, radius, key_map, soft_maps, light, openness
+):  # fmt: skip
+    """Light at each needed vertex.
+
+    ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of the
+    key light, and of the dome, that reaches it.
+    """
+    key_scale, soft_scale = 0.5 * key_map.shape[0] / radius, 0.5 * soft_maps.shape[1] / radius
+    for v in prange(vertices.shape[0]):
+        if not needed[v]:
+            continue
+        nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
+        px, py, pz = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
+        s = scatter[v]
+        off = _OFF_HARD + s * (_OFF_SKIN - _OFF_HARD)
+        off_soft = off + _OFF_SOFT_CELLS / soft_scale * 0.5
+        red = green = blue = 0.0
+        dome = dome_seen = 1e-6
+        openness[v, 0] = 0.0
+        for k in range(axes.shape[0]):
+            lx, ly, lz = axes[k, 2, 0], axes[k, 2, 1], axes[k, 2, 2]
+            facing = nx * lx + ny * ly + nz * lz
+            if facing <= -0.35:
+                continue
+            # Off the surface and a little towards the light, so that a surface does not shade itself.
+            if k == 0:
+                qx, qy, qz = px + off * (nx + lx), py + off * (ny + ly), pz + off * (nz + lz)
+                seen = _key_share(qx, qy, qz, axes[0], key_scale, key_map)
+                openness[v, 0] = seen
+            else:
+                qx, qy, qz = px + off_soft * (nx + lx), py + off_soft * (ny + ly), pz + off_soft * (nz + lz)
+                seen = _share_seen(qx, qy, qz, axes[k], soft_scale, soft_maps[k - 1])
+            if k >= 3:
+                plain = max(facing + 0.3, 0.0)
+                dome += plain
+                dome_seen += plain * seen
+            wr, wg, wb = s * wrap[0], s * wrap[1], s * wrap[2]
+            red += seen * colours[k, 0] * max(facing + wr, 0.0) / (1 + wr)
+            green += seen * colours[k, 1] * max(facing + wg, 0.0) / (1 + wg)
+            blue += seen * colours[k, 2] * max(facing + wb, 0.0) / (1 + wb)
+        light[v, 0], light[v, 1], light[v, 2] = red, green, blue
+        openness[v, 1] = dome_seen / dome
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def spread_below_skin(light, needed, welded, start, neighbour, weight, out):
+    """One step of light spreading to neighbouring vertices: each takes the weighted mean around it."""
+    for v in prange(light.shape[0]):
+        if not needed[v]:
+            continue
+        w = welded[v]
+        for c in range(3):
+            total, share = light[v, c], 1.0
+            for e in range(start[w], start[w + 1]):
+                if needed[neighbour[e]]:
+                    total += weight[e, c] * light[neighbour[e], c]
+                    share += weight[e, c]
+            out[v, c] = total / share

@@ -1,0 +1,90 @@
+"""The lights of the studio, read from an authored table (``assets/render/portrait.toml``)."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.render.colour import linear_from_srgb
+
+__all__ = ["Lighting"]
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """Distant lights and a background.
+
+    Attributes
+    ----------
+    directions : ndarray of float32, shape (lights, 3)
+        Unit vectors from the face to each light: key, fill, rim, then the dome.
+    colours : ndarray of float32, shape (lights, 3)
+        Linear light.
+    sky : ndarray of float32, shape (3, 3)
+        Rows zenith, horizon, ground: what a shiny surface mirrors of the dome.
+    background : ndarray of float32, shape (2, 3)
+        Linear colours of the upper and lower edge of the picture.
+    reach_mm, wrap : ndarray of float32, shape (3,)
+        How far red, green and blue travel below skin, and how far they reach round the edge of the lit side.
+    exposure : float
+    """
+
+    directions: Floats
+    colours: Floats
+    sky: Floats
+    background: Floats
+    reach_mm: Floats
+    wrap: Floats
+    exposure: float
+
+    @classmethod
+    def portrait(cls) -> Lighting:
+        """The studio that comes with mien.
+
+        Examples
+        --------
+        >>> Lighting.portrait().directions.shape
+        (13, 3)
+        """
+        text = resources.files("mien").joinpath("assets/render/portrait.toml").read_text("utf-8")
+        return cls._from_table(tomllib.loads(text))
+
+    @classmethod
+    def _from_table(cls, table: dict[str, Any]) -> Lighting:
+        dome = table["dome"]
+        sky = np.array([dome["zenith"], dome["horizon"], dome["ground"]], dtype=np.float32)
+        around = _spread(dome["lights"])
+        named = [table[name] for name in ("key", "fill", "rim")]
+        directions = np.concatenate([[light["direction"] for light in named], around])
+        # A matt surface under a dome of radiance 1 shows 1: n lights over the sphere of 4 pi, over pi.
+        colours = np.concatenate([[light["colour"] for light in named], _sky_colour(around, sky) * 4 / len(around)])
+        return cls(
+            directions=(directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32),
+            colours=colours.astype(np.float32),
+            sky=sky,
+            background=linear_from_srgb(np.array([table["background"]["top"], table["background"]["bottom"]])),
+            reach_mm=np.array(table["skin"]["reach_mm"], dtype=np.float32),
+            wrap=np.array(table["skin"]["wrap"], dtype=np.float32),
+            exposure=float(table["exposure"]),
+        )
+
+
+def _spread(count: int) -> NDArray[np.float64]:
+    """Directions spread evenly over the sphere (a Fibonacci spiral), shape (count, 3)."""
+    number = np.arange(count)
+    height = 1 - (2 * number + 1) / count
+    turn = number * np.pi * (3 - np.sqrt(5))
+    radius = np.sqrt(1 - height**2)
+    return np.stack([radius * np.sin(turn), height, radius * np.cos(turn)], axis=1)
+
+
+def _sky_colour(directions: NDArray[np.float64], sky: Floats) -> NDArray[np.float64]:
+    up = directions[:, 1:2]
+    return np.where(up > 0, sky[1] + up * (sky[0] - sky[1]), sky[1] - up * (sky[2] - sky[1]))

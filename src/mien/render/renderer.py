@@ -1,0 +1,136 @@
+"""`Renderer`: posed faces to pictures, on the processor alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.face.face import Face
+from mien.face.posing import PosedFace
+from mien.render import light, raster
+from mien.render.camera import Camera
+from mien.render.colour import SRGB_BYTES, linear_from_srgb
+from mien.render.lighting import Lighting
+from mien.render.scene import Scene
+
+__all__ = ["MAX_SIDE", "Picture", "Renderer"]
+
+Picture = NDArray[np.uint8]
+MAX_SIDE = 8192
+_LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
+_SPREAD_STEPS = 2
+
+
+class Renderer:
+    """Renders one face, always from the same place and in the same light.
+
+    The picture is the same to the bit for the same input, whatever the number of threads.
+
+    Parameters
+    ----------
+    face : Face
+    width, height : int
+        Of the picture in pixels, 16 to `MAX_SIDE`.
+    camera : Camera, optional
+        Default: `Camera.portrait`.
+    lighting : Lighting, optional
+        Default: `Lighting.portrait`.
+
+    Raises
+    ------
+    InputError
+        If the size is out of range.
+    """
+
+    def __init__(
+        self,
+        face: Face,
+        width: int = 1280,
+        height: int = 720,
+        camera: Camera | None = None,
+        lighting: Lighting | None = None,
+    ) -> None:
+        if not (16 <= width <= MAX_SIDE and 16 <= height <= MAX_SIDE):
+            raise InputError(f"a picture's sides lie between 16 and {MAX_SIDE} pixels, not {width} x {height}")
+        self.face, self.width, self.height = face, width, height
+        self.camera = camera or Camera.portrait(face, width / height)
+        self.lighting = lighting or Lighting.portrait()
+        self._scene = Scene.of(face, self.lighting.reach_mm)
+        self._light_axes = light.light_axes(self.lighting.directions)
+        self._noise = _dither()
+
+    def render(self, posed: PosedFace) -> Picture:
+        """Draw a posed face.
+
+        Parameters
+        ----------
+        posed : PosedFace
+            A pose of this renderer's face.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 3)
+            sRGB.
+
+        Raises
+        ------
+        InputError
+            If the parts are not those of this face.
+        """
+        vertices, normals = self._joined(posed)
+        scene, camera, lights = self._scene, self.camera, self.lighting
+        axes, focal = camera.axes(), camera.focal_pixels(self.height)
+        seen, needed = np.empty_like(vertices), np.empty(len(vertices), dtype=np.bool_)
+        raster.project(vertices, camera.place(), axes, focal, self.width, self.height, seen)
+        start, listed = raster.sort_into_bands(
+            seen, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
+        )
+        lit, openness = self._light(vertices, normals, needed)
+        picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
+        raster.draw(
+            seen, normals, lit, openness, scene.albedo, scene.gloss, scene.uv, scene.triangles, scene.triangle_part,
+            start, listed, scene.texels, scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky,
+            lights.background, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
+        )  # fmt: skip
+        return picture
+
+    def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        given, expected = [len(p.vertices) for p in posed.parts], np.diff(self._scene.starts).tolist()
+        if given != expected:
+            raise InputError(f"the pose has parts of {given} vertices, face {self.face.name!r} of {expected}")
+        vertices = np.concatenate([part.vertices for part in posed.parts])
+        normals = np.concatenate([part.normals for part in posed.parts])
+        return vertices.astype(np.float32), normals.astype(np.float32)
+
+    def _light(
+        self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        scene, lights = self._scene, self.lighting
+        key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
+        soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
+        light.depth_maps(
+            vertices, scene.triangles, scene.triangle_part, scene.sheet, self._light_axes, scene.head_centre,
+            scene.head_radius, key_map, soft_maps,
+        )  # fmt: skip
+        lit = np.zeros_like(vertices)
+        openness = np.zeros((len(vertices), 2), dtype=np.float32)
+        light.vertex_light(
+            vertices, normals, needed, scene.scatter, self._light_axes, lights.colours, lights.wrap, scene.head_centre,
+            scene.head_radius, key_map, soft_maps, lit, openness,
+        )  # fmt: skip
+        for _ in range(_SPREAD_STEPS):
+            spread = lit.copy()
+            light.spread_below_skin(
+                lit, needed, scene.welded, scene.neighbour_start, scene.neighbour, scene.neighbour_weight, spread
+            )
+            lit = spread
+        return lit, openness
+
+
+def _dither() -> NDArray[np.float32]:
+    """An 8 x 8 Bayer pattern in (0, 1): added before rounding down, it hides the steps of the background's gradient."""
+    pattern = np.zeros((1, 1))
+    for _ in range(3):
+        pattern = np.block([[4 * pattern, 4 * pattern + 2], [4 * pattern + 3, 4 * pattern + 1]])
+    return ((pattern + 0.5) / 64).astype(np.float32)

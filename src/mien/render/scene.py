@@ -1,0 +1,168 @@
+"""A face laid out for the renderer: what does not change from frame to frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.face import Face, Part
+from mien.face.posing import welded_vertices
+from mien.render.colour import linear_from_srgb
+
+__all__ = ["LEVELS", "Scene"]
+
+Floats = NDArray[np.float32]
+Indices = NDArray[np.int32]
+
+LEVELS = 12  # of a texture, each half the size of the last
+# A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts no shadow.
+_SHEET_SHARE = 0.08
+# How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
+_LIP_REDNESS, _LIP_FULL = 0.10, 0.22
+_LIP_ROUGHNESS, _LIP_SPECULAR = 0.60, 1.35
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All parts end to end.
+
+    Attributes
+    ----------
+    starts : tuple of int
+        First vertex of each part, and the end.
+    triangles : ndarray of int32, shape (triangles, 3)
+    triangle_part : ndarray of int32, shape (triangles,)
+    sheet : ndarray of bool, shape (parts,)
+    albedo : ndarray of float32, shape (vertices, 3)
+        Linear; vertex colour times material colour.
+    gloss : ndarray of float32, shape (vertices, 2)
+        Roughness squared (the GGX alpha) and reflectance head-on.
+    scatter : ndarray of float32, shape (vertices,)
+    uv : ndarray of float32, shape (vertices, 2)
+    texels : ndarray of uint8, shape (n, 3)
+        All levels of all textures, row by row.
+    texture_level : ndarray of int32, shape (parts, LEVELS, 3)
+        First texel, width and height of each level; width 0 where a part has no texture.
+    neighbour_start, neighbour, neighbour_weight
+        Around which vertices light spreads below the skin: rows (vertices + 1,), (edges,), (edges, 3 colours).
+    welded : ndarray of int32, shape (vertices,)
+        The vertex whose light each one shares.
+    head_centre : ndarray of float32, shape (3,)
+    head_radius : float
+        A ball, mm, that holds the head in any pose; shadows are found inside it.
+    """
+
+    starts: tuple[int, ...]
+    triangles: Indices
+    triangle_part: Indices
+    sheet: NDArray[np.bool_]
+    albedo: Floats
+    gloss: Floats
+    scatter: Floats
+    uv: Floats
+    texels: NDArray[np.uint8]
+    texture_level: Indices
+    neighbour_start: Indices
+    neighbour: Indices
+    neighbour_weight: Floats
+    welded: Indices
+    head_centre: Floats
+    head_radius: float
+
+    @classmethod
+    def of(cls, face: Face, reach_mm: Floats) -> Scene:
+        """Lay a face out; ``reach_mm`` as in `mien.render.lighting.Lighting`."""
+        parts = face.parts
+        starts = [0, *np.cumsum([len(part.vertices) for part in parts]).tolist()]
+        triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)])
+        vertices = np.concatenate([part.vertices for part in parts])
+        welded = np.concatenate([welded_vertices(part) + start for part, start in zip(parts, starts, strict=False)])
+        scatter = np.concatenate([np.full(len(part.vertices), part.material.scatter, np.float32) for part in parts])
+        texels, levels = _textures(parts)
+        centre, radius = _head_ball(parts)
+        return cls(
+            starts=tuple(starts),
+            triangles=np.ascontiguousarray(triangles, dtype=np.int32),
+            triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
+            sheet=np.array([_is_sheet(part) for part in parts]),
+            albedo=np.concatenate(
+                [linear_from_srgb(p.colours) * linear_from_srgb(p.material.colour) for p in parts]
+            ).astype(np.float32),
+            gloss=np.concatenate([_gloss(part) for part in parts]),
+            scatter=scatter,
+            uv=np.concatenate([part.uv for part in parts]).astype(np.float32),
+            texels=texels,
+            texture_level=levels,
+            **_neighbours(triangles, vertices, welded, scatter, reach_mm),
+            welded=welded.astype(np.int32),
+            head_centre=centre,
+            head_radius=radius,
+        )
+
+
+def _is_sheet(part: Part) -> bool:
+    welded = welded_vertices(part)[part.triangles]
+    edges = np.sort(np.concatenate([welded[:, [0, 1]], welded[:, [1, 2]], welded[:, [2, 0]]]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    return bool((count == 1).mean() > _SHEET_SHARE)
+
+
+def _gloss(part: Part) -> Floats:
+    material = part.material
+    gloss = np.empty((len(part.vertices), 2), dtype=np.float32)
+    wet = np.zeros(len(part.vertices))
+    if material.scatter > 0:
+        red = 1 - part.colours[:, 1] / np.maximum(part.colours[:, 0], 1e-3)
+        wet = np.clip((red - np.median(red) - _LIP_REDNESS) / (_LIP_FULL - _LIP_REDNESS), 0, 1)
+    gloss[:, 0] = np.clip(material.roughness * (1 - wet * (1 - _LIP_ROUGHNESS)), 0.08, 1) ** 2
+    gloss[:, 1] = 0.08 * material.specular * (1 + wet * (_LIP_SPECULAR - 1))
+    return gloss
+
+
+def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], Indices]:
+    levels = np.zeros((len(parts), LEVELS, 3), dtype=np.int32)
+    pieces: list[NDArray[np.uint8]] = [np.zeros((1, 3), np.uint8)]
+    used = 1
+    for number, part in enumerate(parts):
+        picture = part.material.texture
+        if picture is None:
+            continue
+        for level in range(LEVELS):
+            levels[number, level] = used, picture.shape[1], picture.shape[0]
+            pieces.append(picture.reshape(-1, 3))
+            used += len(pieces[-1])
+            picture = _halved(picture)
+    return np.ascontiguousarray(np.concatenate(pieces)), levels
+
+
+def _halved(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Half the size, by means of 2 x 2 (a side of odd length loses its last row; a side of one stays)."""
+    height, width = (max(1, side // 2) for side in picture.shape[:2])
+    tall, wide = min(2, picture.shape[0]), min(2, picture.shape[1])
+    blocks = picture[: height * tall, : width * wide].reshape(height, tall, width, wide, 3)
+    return np.asarray(np.round(blocks.mean(axis=(1, 3))), dtype=np.uint8)
+
+
+def _neighbours(
+    triangles: Indices, vertices: Floats, welded: Indices, scatter: Floats, reach_mm: Floats
+) -> dict[str, NDArray]:  # type: ignore[type-arg]
+    corner = welded[triangles]
+    pairs = np.concatenate([corner[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))])
+    pairs = np.unique(pairs[(scatter[pairs[:, 0]] > 0) & (pairs[:, 0] != pairs[:, 1])], axis=0)
+    length = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)[:, None]
+    reach = np.maximum(reach_mm * scatter[pairs[:, 0]][:, None], 1e-3)
+    count = np.bincount(pairs[:, 0], minlength=len(vertices))
+    return {
+        "neighbour_start": np.concatenate([[0], np.cumsum(count)]).astype(np.int32),
+        "neighbour": pairs[:, 1].astype(np.int32),
+        "neighbour_weight": np.exp(-0.5 * (length / reach) ** 2).astype(np.float32),
+    }
+
+
+def _head_ball(parts: tuple[Part, ...]) -> tuple[Floats, float]:
+    points = np.concatenate([part.vertices[part.head_weight > 0.5] for part in parts])
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre = ((low + high) / 2).astype(np.float32)
+    return centre, 1.15 * float(np.linalg.norm(points - centre, axis=1).max())
