@@ -1,0 +1,39 @@
+"""Lips: sealed at rest, and kept sealed in the shapes that are made with a closed mouth."""
+
+from __future__ import annotations
+
+import numpy as np
+from contact import Edges, edges_between
+from head import Head
+
+_SEALED = 0.05  # mm of air between lips that touch
+# Shapes of a closed mouth; the lips stay together in each of them.
+_CLOSED = (
+    "jawForward", "jawLeft", "jawRight", "mouthPucker", "mouthLeft", "mouthRight", "mouthSmileLeft", "mouthSmileRight",
+    "mouthFrownLeft", "mouthFrownRight", "mouthDimpleLeft", "mouthDimpleRight", "mouthStretchLeft",
+    "mouthStretchRight", "mouthRollLower", "mouthRollUpper", "mouthShrugLower", "mouthPressLeft", "mouthPressRight",
+    "cheekPuff", "cheekSquintLeft", "cheekSquintRight", "noseSneerLeft", "noseSneerRight",
+)  # fmt: skip
+
+
+def lip_edges(head: Head) -> Edges:
+    """The two lips as edges that meet."""
+    skin = head.skin
+    return edges_between(skin.vertices, skin.triangles, head.lip_loop, reach=9.0, pull=7.0, columns=True)
+
+
+def seal_lips(head: Head) -> Edges:
+    """Close the lips at rest and in the shapes of a closed mouth; ``mouthClose`` undoes ``jawOpen``."""
+    skin = head.skin
+    lips = lip_edges(head)
+    skin.vertices = skin.vertices + lips.closing(skin.vertices, _SEALED)
+    for name in _CLOSED:
+        skin.shapes[name] = skin.shapes[name] + lips.closing(skin.posed(**{name: 1.0}), _SEALED)
+    together = skin.posed(jawOpen=1.0, mouthClose=1.0)
+    skin.shapes["mouthClose"] = skin.shapes["mouthClose"] + lips.closing(together, _SEALED)
+    return lips
+
+
+def widest_gap(lips: Edges, shape: np.ndarray) -> float:
+    """The widest opening between the lips, millimetres."""
+    return float(lips.gap(shape)[1].max(initial=0.0))

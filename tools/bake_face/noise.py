@@ -1,0 +1,29 @@
+"""Smooth random fields for paint: the same seed gives the same field."""
+
+from __future__ import annotations
+
+import numpy as np
+from makehuman import Floats
+
+_SIDE = 64
+
+
+def value_noise(points: Floats, scale: float, seed: int) -> Floats:
+    """Value noise in -1..1 at points (n, 2) or (n, 3); features are about ``scale`` across."""
+    lattice = np.random.default_rng(seed).uniform(-1, 1, (_SIDE,) * points.shape[1])
+    place = points / scale
+    low = np.floor(place).astype(int)
+    share = place - low
+    share = share * share * (3 - 2 * share)
+    total = np.zeros(len(points))
+    for corner in np.ndindex((2,) * points.shape[1]):
+        weight = np.prod(np.where(np.array(corner), share, 1 - share), axis=1)
+        index = tuple(((low[:, axis] + step) % _SIDE) for axis, step in enumerate(corner))
+        total += weight * lattice[index]
+    return total
+
+
+def layered_noise(points: Floats, scale: float, seed: int, layers: int = 4) -> Floats:
+    """Sum of value noise at halving scales and weights, about -1..1."""
+    parts = [value_noise(points, scale / 2**k, seed + k) / 2**k for k in range(layers)]
+    return np.asarray(sum(parts)) / (2 - 2 ** (1 - layers))

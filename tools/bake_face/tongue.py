@@ -1,0 +1,31 @@
+"""The tongue: MakeHuman's, made finer, with two authored shapes that speech needs."""
+
+from __future__ import annotations
+
+import numpy as np
+from head import Head
+from makehuman import Floats, MakeHuman
+from sculpt import Sculpt, smoothstep
+from subdivision import catmull_clark, triangulate
+
+
+def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
+    """Tongue with its ARKit shapes and ``tongueTipUp``, ``tongueBackUp``."""
+    used, quads = np.unique(np.array(data.groups["helper-tongue"]), return_inverse=True)
+    matrix, fine = catmull_clark(len(used), quads.reshape(-1, 4))
+    coarse = Sculpt("tongue", head.identity[used], fine, {k: v[used] for k, v in head.units.items()})
+    tongue = coarse.through(matrix, triangulate(fine))
+    x, y, z = tongue.vertices.T
+    front, back = z.max(), z.min()
+    along = (z - back) / (front - back)
+    tongue.shapes["tongueTipUp"] = _raised(smoothstep(0.45, 1.0, along), 11.0, 4.0)
+    tongue.shapes["tongueBackUp"] = _raised(np.exp(-(((along - 0.30) / 0.22) ** 2)), 8.5, -2.0)
+    middle = np.exp(-((x / 3.0) ** 2)) * smoothstep(np.median(y), y.max(), y)
+    pink, dark = np.array([0.74, 0.38, 0.38]), np.array([0.35, 0.13, 0.14])
+    tongue.colours = dark + (pink - dark) * smoothstep(0.15, 0.95, along)[:, None]
+    tongue.colours = tongue.colours * (1 - 0.12 * middle)[:, None]
+    return tongue
+
+
+def _raised(weight: Floats, up: float, forward: float) -> Floats:
+    return np.stack([np.zeros_like(weight), up * weight, forward * weight], axis=1)
