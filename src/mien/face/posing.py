@@ -276,7 +276,7 @@ def welded_vertices(part: Part) -> Indices:
     return np.asarray(first[group.reshape(-1)], dtype=np.int32)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _pose_kernel(  # type: ignore[no-untyped-def]  # numba infers the types; the arrays are those of _Surface
     rest, triangles, head_weight, welded, target_start, target_vertex, target_offset, weights,
     eye_span, eye_centre, eye_turn, head_turn, pivot, vertices, normals,
@@ -321,7 +321,7 @@ def _pose_kernel(  # type: ignore[no-untyped-def]  # numba infers the types; the
             normals[v] = normals[welded[v]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _turn(vertices, v, turn, about, share):  # type: ignore[no-untyped-def]
     """Move one vertex by ``share`` of the way to where the rotation takes it."""
     x, y, z = vertices[v, 0] - about[0], vertices[v, 1] - about[1], vertices[v, 2] - about[2]

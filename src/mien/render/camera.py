@@ -1,7 +1,7 @@
 """Where the picture is taken from.
 
-A pinhole camera in the face's own axes (`mien.face.face`): it looks along -z unless turned. ``field_mm`` is the height of
-the picture in the plane of the target, so that moving the camera away changes the perspective and not the framing.
+A pinhole camera in the face's own axes (`mien.face.face`): it looks along -z unless turned. ``field_mm`` is the height
+of the picture in the plane of the target, so that moving the camera away changes the perspective and not the framing.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Camera:
 
     def place(self) -> NDArray[np.float64]:
         """Where the camera stands, mm, shape (3,)."""
-        return np.asarray(self.target, dtype=np.float64) + self.distance * self.axes()[2]
+        return np.asarray(np.asarray(self.target) + self.distance * self.axes()[2], dtype=np.float64)
 
     def focal_pixels(self, height: int) -> float:
         """Pixels per (mm across / mm away) for a picture of ``height`` pixels."""

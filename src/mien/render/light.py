@@ -2,9 +2,9 @@
 """How much light reaches every vertex: compiled kernels.
 
 Each distant light looks at the head once and keeps, per cell of a square map, how near to it the nearest surface is
-(`depth_maps`). A vertex that lies deeper than its cell is in shadow. The key light has a fine map; the fill, the rim and the
-dome have coarse ones, and together they darken what lies deep: the mouth, the nostrils, the sockets of the eyes
-(`vertex_light`). In skin, light then spreads to neighbours, red farthest (`spread_below_skin`).
+(`depth_maps`). A vertex that lies deeper than its cell is in shadow. The key light has a fine map; the fill, the rim
+and the dome have coarse ones, and together they darken what lies deep: the mouth, the nostrils, the sockets of the
+eyes (`vertex_light`). In skin, light then spreads to neighbours, red farthest (`spread_below_skin`).
 Every kernel writes each number from one thread only, so results do not depend on the number of threads.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit, prange
+from numpy.typing import NDArray
 
 __all__ = ["KEY_CELLS", "SOFT_CELLS", "depth_maps", "light_axes", "spread_below_skin", "vertex_light"]
 
@@ -21,7 +22,7 @@ _NOTHING = np.float32(-1e9)
 _OFF_HARD, _OFF_SKIN, _OFF_SOFT_CELLS = 0.7, 2.2, 1.0
 
 
-def light_axes(directions):
+def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
     """Two axes across each light and the one towards it: float32, shape (lights, 3, 3)."""
     axes = np.empty((len(directions), 3, 3), dtype=np.float32)
     for number, towards in enumerate(directions.astype(np.float64)):
@@ -32,7 +33,7 @@ def light_axes(directions):
     return axes
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def depth_maps(vertices, triangles, triangle_part, sheet, axes, centre, radius, key_map, soft_maps):
     """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others."""
     for light in prange(axes.shape[0]):
@@ -42,7 +43,7 @@ def depth_maps(vertices, triangles, triangle_part, sheet, axes, centre, radius, 
             _depth_map(vertices, triangles, triangle_part, sheet, axes[light], centre, radius, soft_maps[light - 1])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _depth_map(vertices, triangles, triangle_part, sheet, axes, centre, radius, depth):
     cells = depth.shape[0]
     scale = np.float32(0.5 * cells / radius)
@@ -81,7 +82,7 @@ def _depth_map(vertices, triangles, triangle_part, sheet, axes, centre, radius, 
                         depth[j, i] = near
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _share_seen(x, y, z, axes, scale, depth):
     """Share of the light that reaches a point: the four nearest cells, each seen or not, mixed by nearness."""
     cells = depth.shape[0]
@@ -104,7 +105,7 @@ def _share_seen(x, y, z, axes, scale, depth):
     return share
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _key_share(x, y, z, axes, scale, depth):
     """The key light is large: the mean over nine points of its map, a few cells apart, for a soft edge."""
     step = 1.6 / scale
@@ -118,14 +119,14 @@ def _key_share(x, y, z, axes, scale, depth):
     return share / 9.0
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def vertex_light(
     vertices, normals, needed, scatter, axes, colours, wrap, centre, radius, key_map, soft_maps, light, openness
 ):  # fmt: skip
     """Light at each needed vertex.
 
-    ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of the
-    key light, and of the dome, that reaches it.
+    ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
+    the key light, and of the dome, that reaches it.
     """
     key_scale, soft_scale = 0.5 * key_map.shape[0] / radius, 0.5 * soft_maps.shape[1] / radius
     for v in prange(vertices.shape[0]):
@@ -164,7 +165,7 @@ def vertex_light(
         openness[v, 1] = dome_seen / dome
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def spread_below_skin(light, needed, welded, start, neighbour, weight, out):
     """One step of light spreading to neighbouring vertices: each takes the weighted mean around it."""
     for v in prange(light.shape[0]):

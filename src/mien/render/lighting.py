@@ -87,4 +87,4 @@ def _spread(count: int) -> NDArray[np.float64]:
 
 def _sky_colour(directions: NDArray[np.float64], sky: Floats) -> NDArray[np.float64]:
     up = directions[:, 1:2]
-    return np.where(up > 0, sky[1] + up * (sky[0] - sky[1]), sky[1] - up * (sky[2] - sky[1]))
+    return np.asarray(np.where(up > 0, sky[1] + up * (sky[0] - sky[1]), sky[1] - up * (sky[2] - sky[1])), np.float64)

@@ -3,11 +3,12 @@
 
 1. `project`: vertices to the picture, in pixels (snapped to 1/256 so that shared edges leave no gap) and 1/depth.
 2. `sort_into_bands`: which triangles touch which band of rows; those turned away are dropped, unless a sheet.
-3. `draw`: each band in its own thread. Four samples per pixel keep the nearest triangle; then every surface seen
-   in a pixel (samples of one part at about one depth) is shaded once, perspective-correct, at the middle of its samples.
+3. `draw`: each band in its own thread. Four samples per pixel keep the nearest triangle; then every surface seen in a
+   pixel (samples of one part at about one depth) is shaded once, perspective-correct, at the middle of its samples.
 
-Shading: diffuse light comes from the vertices; textures are read bilinearly from the level that fits the triangle's size;
-highlights are GGX (Walter et al. 2007) with Schlick's Fresnel for key, fill and rim, and the dome's reflection by height.
+Shading: diffuse light comes from the vertices; textures are read bilinearly from the level that fits the triangle's
+size; highlights are GGX (Walter et al. 2007) with Schlick's Fresnel for key, fill and rim, and the dome is mirrored by
+the height of the mirrored way.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
 _REACH = 0.375  # from a pixel's middle to its outermost sample, along either axis
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def project(vertices, place, axes, focal, width, height, seen):
     """Fill ``seen`` (vertices, 3): x and y in pixels, and 1 / distance along the view (0 where too near)."""
     for v in prange(vertices.shape[0]):
@@ -42,7 +43,7 @@ def project(vertices, place, axes, focal, width, height, seen):
         seen[v, 2] = 1.0 / depth
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def sort_into_bands(seen, triangles, triangle_part, sheet, width, height, needed):
     """Start of each band's list, the list of triangles; sets ``needed`` for the vertices that are seen."""
     bands = (height + BAND - 1) // BAND
@@ -79,7 +80,7 @@ def sort_into_bands(seen, triangles, triangle_part, sheet, width, height, needed
     return start, listed
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def draw(
     seen, normals, light, openness, albedo, gloss, uv, triangles, triangle_part, start, listed,
     texels, texture_level, place_axes, focal, directions, colours, sky, background, exposure, linear, srgb, noise, out,
@@ -97,6 +98,7 @@ def draw(
         mean = np.empty(3)
         for row in range(rows):
             down = (top + row + 0.5) / height
+            behind = background[0] + down * (background[1] - background[0])
             for x in range(width):
                 covered = 0
                 mean[:] = 0.0
@@ -116,12 +118,12 @@ def draw(
                 for c in range(3):
                     value = mean[c]
                     if covered < 4:
-                        value += 0.25 * (4 - covered) * (background[0, c] + down * (background[1, c] - background[0, c]))
+                        value += 0.25 * (4 - covered) * behind[c]
                     step = int(np.sqrt(min(value, 1.0)) * (SRGB_STEPS - 1) + 0.5)
                     out[top + row, x, c] = int(min(255.0, srgb[step] + noise[(top + row) & 7, x & 7]))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _cover(t, seen, triangles, top, rows, width, nearest, owner):
     """Keep triangle ``t`` in every sample of the band where it is the nearest so far."""
     a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -158,7 +160,7 @@ def _cover(t, seen, triangles, top, rows, width, nearest, owner):
                         owner[j, i, s] = t
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _gather(owner, nearest, triangle_part, row, x, s):
     """Take out of the pixel the samples that show the surface of sample ``s``: how many, and their middle."""
     part, depth = triangle_part[owner[row, x, s]], 1.0 / nearest[row, x, s]
@@ -175,7 +177,7 @@ def _gather(owner, nearest, triangle_part, row, x, s):
     return same, sx / same, sy / same
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _shade(
     t, px, py, width, height, seen, normals, light, openness, albedo, gloss, uv, triangles, triangle_part,
     texels, texture_level, axes, focal, directions, colours, sky, exposure, linear, pixel,
@@ -209,9 +211,7 @@ def _shade(
     nx, ny, nz = nx / length, ny / length, nz / length
     facing = max(nx * vx + ny * vy + nz * vz, 0.05)
     for k in range(3):
-        pixel[k] = (
-            wa * light[a, k] * albedo[a, k] + wb * light[b, k] * albedo[b, k] + wc * light[c, k] * albedo[c, k]
-        )
+        pixel[k] = wa * light[a, k] * albedo[a, k] + wb * light[b, k] * albedo[b, k] + wc * light[c, k] * albedo[c, k]
     part = triangle_part[t]
     if texture_level[part, 0, 1] > 0:
         _texture(part, abs(area), a, b, c, wa, wb, wc, uv, texels, texture_level, linear, pixel)
@@ -238,7 +238,7 @@ def _shade(
         pixel[ch] = lit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _highlight(nx, ny, nz, vx, vy, vz, facing, towards, alpha, head_on):
     """Cook-Torrance with GGX and the height-correlated Smith term as Hammon's approximation; times pi, times cosine."""
     lit = nx * towards[0] + ny * towards[1] + nz * towards[2]
@@ -255,7 +255,7 @@ def _highlight(nx, ny, nz, vx, vy, vz, facing, towards, alpha, head_on):
     return squared / (spread * spread) * fresnel * masked * lit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _texture(part, area, a, b, c, wa, wb, wc, uv, texels, texture_level, linear, pixel):
     """Multiply ``pixel`` by the texture, from the level on which a texel is about as large as a pixel."""
     wide, tall = texture_level[part, 0, 1], texture_level[part, 0, 2]

@@ -90,8 +90,8 @@ class Renderer:
         picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
         raster.draw(
             seen, normals, lit, openness, scene.albedo, scene.gloss, scene.uv, scene.triangles, scene.triangle_part,
-            start, listed, scene.texels, scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky,
-            lights.background, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
+            start, listed, scene.texels, scene.texture_level, axes, focal, lights.directions, lights.colours,
+            lights.sky, lights.background, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
         )  # fmt: skip
         return picture
 
