@@ -1,0 +1,325 @@
+"""``.json``: the native `Animation`, kept whole.
+
+Everything is there: channels and markers to the last bit, the sound as 24-bit FLAC in base64, words, phones, score,
+provenance and notes. ``docs/formats.md`` describes the schema; `FORMAT` and `VERSION` stand in every file.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import io
+import json
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NoReturn, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.animation import Animation, Provenance
+from mien.audio import Audio
+from mien.errors import InputError, Note, OutputError
+from mien.files import replace_when_complete
+from mien.script.score import EmotionSpan, Score
+from mien.speech.utterance import Utterance
+from mien.timeline import MAX_FPS, FrameRate, Interval, Tier
+from mien.tracks import ChannelTrack, MarkerTrack
+
+__all__ = ["FORMAT", "VERSION", "read_native", "write_native"]
+
+FORMAT = "mien-animation"
+VERSION = 1
+# Above 65535 Hz the FLAC encoder takes multiples of 10 only; other sounds get this rate in their FLAC header.
+_NOMINAL_FLAC_RATE = 48_000
+
+
+def write_native(animation: Animation, path: str | Path) -> tuple[Note, ...]:
+    """Write an animation so that `read_native` gives back an equal one.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written, or a marker stands at infinity.
+    """
+    text = json.dumps(_plain(animation), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    with replace_when_complete(path) as unfinished:
+        unfinished.write_text(text + "\n", encoding="utf-8")
+    return ()
+
+
+def read_native(path: str | Path) -> Animation:
+    """Read an animation that `write_native` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cut short, of another kind or version, or does not hold together; the message names
+        the file and the place in it.
+
+    Examples
+    --------
+    >>> read_native("nowhere.json")
+    Traceback (most recent call last):
+    mien.errors.InputError: cannot read nowhere.json: No such file or directory
+    """
+    path = Path(path)
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
+    except OSError as problem:
+        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
+    except UnicodeDecodeError as problem:
+        raise InputError(f"{path} is not a {FORMAT} file: it is not text in UTF-8") from problem
+    except (ValueError, RecursionError) as problem:
+        raise InputError(f"{path} is not a whole {FORMAT} file: {problem}; was it cut short?") from problem
+    return _animation(_Node(document, path, ""))
+
+
+# ---------------------------------------------------------------- writing
+
+
+def _plain(animation: Animation) -> dict[str, Any]:
+    speech = animation.utterance
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "provenance": vars(animation.provenance) | {"seed": int(animation.provenance.seed)},
+        "score": {"emotions": [vars(span) for span in animation.score.emotions]},
+        "notes": [vars(note) for note in animation.notes],
+        "utterance": {
+            "text": speech.text,
+            "language": speech.language,
+            "timing": speech.timing,
+            "words": _plain_tier(speech.words),
+            "phones": _plain_tier(speech.phones),
+            "notes": [vars(note) for note in speech.notes],
+            "audio": _plain_audio(speech.audio),
+        },
+        "channels": {
+            "names": list(animation.channels.names),
+            "rate": str(animation.channels.rate.fraction),
+            "frames": len(animation.channels),
+            "values": animation.channels.values.tolist(),
+        },
+        "markers": None if animation.markers is None else _plain_markers(animation.markers),
+    }
+
+
+def _plain_tier(tier: Tier) -> dict[str, Any]:
+    return {"name": tier.name, "intervals": [[float(i.start), float(i.end), i.label] for i in tier]}
+
+
+def _plain_markers(markers: MarkerTrack) -> dict[str, Any]:
+    if np.isinf(markers.positions).any():
+        frame, marker, _ = np.argwhere(np.isinf(markers.positions))[0]
+        raise OutputError(f"cannot write markers: {markers.names[marker]!r} is infinitely far away in frame {frame}")
+    positions = markers.positions.astype(object)
+    positions[np.isnan(markers.positions)] = None
+    return {
+        "names": list(markers.names),
+        "rate": str(markers.rate.fraction),
+        "frames": len(markers),
+        "positions": positions.tolist(),
+    }
+
+
+def _plain_audio(audio: Audio) -> dict[str, Any]:
+    sound = b""
+    if len(audio):
+        import soundfile
+
+        rate = audio.rate if audio.rate <= 65_535 or audio.rate % 10 == 0 else _NOMINAL_FLAC_RATE
+        stream = io.BytesIO()
+        soundfile.write(stream, audio.samples, rate, format="FLAC", subtype="PCM_24")
+        sound = stream.getvalue()
+    return {
+        "rate": audio.rate,
+        "samples": len(audio),
+        "encoding": "base64 FLAC, 24 bit",
+        "data": base64.b64encode(sound).decode("ascii"),
+    }
+
+
+# ---------------------------------------------------------------- reading
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not JSON")
+
+
+class _Node:
+    """A value of the document that knows where it stands, so that every fault can name its place."""
+
+    def __init__(self, value: Any, path: Path, place: str) -> None:
+        self.value, self.path, self.place = value, path, place
+
+    def fault(self, message: str) -> InputError:
+        return InputError(f"{self.path}: {self.place or 'the whole file'}: {message}")
+
+    def get(self, name: str) -> _Node:
+        if not isinstance(self.value, dict):
+            raise self.fault(f"expected an object, got {_kind(self.value)}")
+        if name not in self.value:
+            raise self.fault(f"the field {name!r} is missing; was the file edited by hand?")
+        return _Node(self.value[name], self.path, f"{self.place}.{name}" if self.place else name)
+
+    def items(self) -> list[_Node]:
+        if not isinstance(self.value, list):
+            raise self.fault(f"expected a list, got {_kind(self.value)}")
+        return [_Node(item, self.path, f"{self.place}[{number}]") for number, item in enumerate(self.value)]
+
+    def text(self) -> str:
+        if not isinstance(self.value, str):
+            raise self.fault(f"expected text, got {_kind(self.value)}")
+        return self.value
+
+    def number(self) -> float:
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float) or not math.isfinite(self.value):
+            raise self.fault(f"expected a finite number, got {_kind(self.value)}")
+        return self.value
+
+    def whole(self) -> int:
+        if isinstance(self.value, bool) or not isinstance(self.value, int):
+            raise self.fault(f"expected a whole number, got {_kind(self.value)}")
+        return self.value
+
+    def one_of(self, *known: str) -> str:
+        if self.text() not in known:
+            raise self.fault(f"expected one of {', '.join(known)}, got {self.value!r}")
+        return self.text()
+
+    def array(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
+        if not isinstance(self.value, list):
+            raise self.fault(f"expected a list, got {_kind(self.value)}")
+        try:
+            array = np.array(self.value, dtype=np.float64)  # null becomes NaN
+        except (ValueError, TypeError, OverflowError) as problem:
+            raise self.fault(f"expected numbers in the shape {shape}: rows differ or hold other things") from problem
+        if array.size == 0 and math.prod(shape) == 0 and len(self.value) == shape[0]:
+            return array.reshape(shape)
+        if array.shape != shape:
+            raise self.fault(f"expected the shape {shape}, got {array.shape}")
+        return array
+
+
+def _kind(value: Any) -> str:
+    names = {dict: "an object", list: "a list", str: "text", bool: "true or false", type(None): "null"}
+    return names.get(type(value), repr(value))
+
+
+def _animation(root: _Node) -> Animation:
+    if not isinstance(root.value, dict) or root.value.get("format") != FORMAT:
+        raise InputError(f"{root.path} is not a {FORMAT} file: it holds other JSON")
+    version = root.get("version").whole()
+    if version != VERSION:
+        raise InputError(f"{root.path} is {FORMAT} version {version}; this mien reads version {VERSION}: update mien")
+    origin = root.get("provenance")
+    try:
+        return Animation(
+            channels=_channels(root.get("channels")),
+            markers=None if root.get("markers").value is None else _markers(root.get("markers")),
+            utterance=_utterance(root.get("utterance")),
+            score=Score(tuple(_emotion(span) for span in root.get("score").get("emotions").items())),
+            provenance=Provenance(
+                origin.get("performer").text(), origin.get("seed").whole(), origin.get("version").text()
+            ),
+            notes=_notes(root.get("notes")),
+        )
+    except InputError as problem:  # the types themselves refuse what does not hold together: say in which file
+        if str(problem).startswith(str(root.path)):
+            raise
+        raise InputError(f"{root.path}: {problem}") from problem
+
+
+def _rate(node: _Node) -> FrameRate:
+    try:
+        fraction = Fraction(node.text())
+    except (ValueError, ZeroDivisionError) as problem:
+        raise node.fault(f"expected a frame rate such as '25' or '30000/1001', got {node.value!r}") from problem
+    if not 0 < fraction <= MAX_FPS:
+        raise node.fault(f"a frame rate is above 0 and at most {MAX_FPS}, not {node.value}")
+    return FrameRate(fraction)
+
+
+def _names(node: _Node) -> list[str]:
+    return [name.text() for name in node.items()]
+
+
+def _frames(node: _Node) -> int:
+    frames = node.whole()
+    if frames < 0:
+        raise node.fault(f"expected a number of frames, got {frames}")
+    return frames
+
+
+def _channels(node: _Node) -> ChannelTrack:
+    names = _names(node.get("names"))
+    values = node.get("values").array((_frames(node.get("frames")), len(names)))
+    return ChannelTrack(names, values, _rate(node.get("rate")))
+
+
+def _markers(node: _Node) -> MarkerTrack:
+    names = _names(node.get("names"))
+    positions = node.get("positions").array((_frames(node.get("frames")), len(names), 3))
+    return MarkerTrack(names, positions, _rate(node.get("rate")))
+
+
+def _tier(node: _Node) -> Tier:
+    def interval(item: _Node) -> Interval:
+        parts = item.items()
+        if len(parts) != 3:
+            raise item.fault(f"an interval is [start, end, label], got {len(parts)} things")
+        return Interval(parts[0].number(), parts[1].number(), parts[2].text())
+
+    return Tier(node.get("name").text(), tuple(interval(item) for item in node.get("intervals").items()))
+
+
+def _emotion(node: _Node) -> EmotionSpan:
+    def time(name: str) -> float | None:
+        return None if node.get(name).value is None else node.get(name).number()
+
+    return EmotionSpan(node.get("name").text(), node.get("intensity").number(), time("start"), time("end"))
+
+
+def _notes(node: _Node) -> tuple[Note, ...]:
+    def note(item: _Node) -> Note:
+        kind = item.get("kind").one_of("note", "warning")
+        return Note(cast(Any, kind), item.get("message").text())
+
+    return tuple(note(item) for item in node.items())
+
+
+def _audio(node: _Node) -> Audio:
+    rate, count = node.get("rate").whole(), node.get("samples").whole()
+    data = node.get("data")
+    try:
+        sound = base64.b64decode(data.text(), validate=True)
+    except (binascii.Error, ValueError) as problem:
+        raise data.fault("the sound is not base64; was the file edited by hand?") from problem
+    samples: Iterable[float] = np.zeros(0, dtype=np.float32)
+    if sound:
+        import soundfile
+
+        try:
+            samples, _ = soundfile.read(io.BytesIO(sound), dtype="float32")
+        except soundfile.LibsndfileError as problem:
+            raise data.fault(f"the sound is not FLAC: {problem}") from problem
+    audio = Audio(np.asarray(samples), rate)
+    if len(audio) != count:
+        raise data.fault(f"expected {count} samples of sound, got {len(audio)}")
+    return audio
+
+
+def _utterance(node: _Node) -> Utterance:
+    timing = node.get("timing").one_of("aligned", "recognised", "voice", "none")
+    return Utterance(
+        text=node.get("text").text(),
+        audio=_audio(node.get("audio")),
+        words=_tier(node.get("words")),
+        phones=_tier(node.get("phones")),
+        language=node.get("language").text(),
+        timing=cast(Any, timing),
+        notes=_notes(node.get("notes")),
+    )

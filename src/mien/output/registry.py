@@ -1,0 +1,193 @@
+"""Which formats there are; the suffix of a file name picks one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from mien.animation import Animation
+from mien.errors import InputError, Note, unknown_name
+from mien.face.face import Face
+from mien.files import check_writable
+
+__all__ = ["EXPORTERS", "Exporter", "Progress", "check_output", "save"]
+
+Progress = Callable[[int, int], None]
+"""Called with (frames done, frames in all)."""
+
+
+@dataclass(frozen=True)
+class Exporter:
+    """One output format.
+
+    Attributes
+    ----------
+    suffix : str
+        With its dot, as it is commonly spelt; any case is accepted.
+    title : str
+        What the file is, for help texts.
+    loses : str
+        What of an `Animation` the file does not hold, in one line.
+    shows_face : bool
+        Whether it needs a `Face`.
+    write : callable
+        Given the animation, the path, the face (None unless ``shows_face``) and the progress callback.
+    """
+
+    suffix: str
+    title: str
+    loses: str
+    shows_face: bool
+    write: Callable[[Animation, Path, Face | None, Progress | None], tuple[Note, ...]]
+
+
+def _needed(face: Face | None) -> Face:
+    if face is not None:
+        return face
+    from mien.face.library import load_face
+
+    return load_face("default")
+
+
+def _write_video(animation: Animation, path: Path, face: Face | None, progress: Progress | None) -> tuple[Note, ...]:
+    from mien.output.video import write_video
+
+    return write_video(animation, _needed(face), path, progress=progress)
+
+
+def _write_contact_sheet(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.output.contact_sheet import write_contact_sheet
+
+    return write_contact_sheet(animation, _needed(face), path)
+
+
+def _write_glb(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.output.gltf import write_glb
+
+    return write_glb(animation, _needed(face), path)
+
+
+def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.output.livelink_csv import write_livelink
+
+    return write_livelink(animation, path)
+
+
+def _write_textgrid(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.output.textgrid import write_textgrid
+
+    speech = animation.utterance
+    return write_textgrid((speech.words, speech.phones), speech.duration, path)
+
+
+def _write_sound(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.output.sound import write_sound
+
+    return write_sound(animation.utterance.audio, path)
+
+
+def _write_native(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.output.native import write_native
+
+    return write_native(animation, path)
+
+
+EXPORTERS: tuple[Exporter, ...] = (
+    Exporter(
+        ".mp4",
+        "video with sound (H.264, AAC)",
+        "everything but one view and the sound, both compressed",
+        True,
+        _write_video,
+    ),
+    Exporter(
+        ".png",
+        "contact sheet of key frames",
+        "all motion between the key frames, and the sound",
+        True,
+        _write_contact_sheet,
+    ),
+    Exporter(
+        ".glb",
+        "animated 3D face (glTF 2.0, 52 ARKit morph targets)",
+        "the sound itself, markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit",
+        True,
+        _write_glb,
+    ),
+    Exporter(
+        ".csv",
+        "Live Link Face recording (Unreal, Blender, Maya)",
+        "the sound, markers, words, phones, score, tongueTipUp and tongueBackUp; numbers have eight decimals",
+        False,
+        _write_livelink,
+    ),
+    Exporter(
+        ".TextGrid", "words and phones in time (Praat)", "all motion, the sound, the score", False, _write_textgrid
+    ),
+    Exporter(".wav", "the sound (24 bit, one channel)", "everything but the sound", False, _write_sound),
+    Exporter(".json", "the native animation", "nothing", False, _write_native),
+)
+
+
+def _exporter(path: Path) -> Exporter:
+    known = {exporter.suffix.lower(): exporter for exporter in EXPORTERS}
+    if path.suffix.lower() in known:
+        return known[path.suffix.lower()]
+    names = [exporter.suffix for exporter in EXPORTERS]
+    if not path.suffix:
+        raise InputError(f"cannot tell the format of {path}: end its name in one of {', '.join(names)}")
+    raise unknown_name("output format", path.suffix, names)
+
+
+def check_output(path: str | Path) -> Path:
+    """Say early, before long work, whether `save` could write ``path``; returns it as a Path.
+
+    Raises
+    ------
+    InputError
+        If the suffix is not that of a format.
+    OutputError
+        If the folder is missing or not writable.
+
+    Examples
+    --------
+    >>> check_output("line.mp5")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    mien.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: .TextGrid, .csv, .glb, ...
+    """
+    path = Path(path)
+    _exporter(path)
+    return check_writable(path)
+
+
+def save(
+    animation: Animation, path: str | Path, *, face: Face | None = None, progress: Progress | None = None
+) -> tuple[Note, ...]:
+    """Write an animation to a file; the suffix picks the format (`EXPORTERS`).
+
+    Parameters
+    ----------
+    animation : Animation
+    path : path-like
+        Replaced if it exists; never left half-written.
+    face : Face, optional
+        For the formats that show one; the default face otherwise.
+    progress : callable, optional
+        Called with (frames done, frames in all) while a video is made.
+
+    Returns
+    -------
+    tuple of Note
+        What the writer had to change or leave out beyond what the format always loses.
+
+    Raises
+    ------
+    InputError
+        If the suffix is not that of a format.
+    OutputError
+        If the file cannot be written.
+    """
+    path = check_output(path)
+    return _exporter(path).write(animation, path, face, progress)
