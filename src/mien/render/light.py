@@ -19,6 +19,7 @@ __all__ = ["KEY_CELLS", "SOFT_CELLS", "depth_maps", "light_axes", "spread_below_
 KEY_CELLS, SOFT_CELLS = 768, 160
 _NOTHING = np.float32(-1e9)
 # How far a vertex is moved off its surface before it is held against a map, in mm: skin lets light round its edges.
+_KEY_EDGE_MM = 0.6
 _OFF_HARD, _OFF_SKIN, _OFF_SOFT_CELLS = 0.7, 2.2, 1.0
 
 
@@ -34,17 +35,17 @@ def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def depth_maps(vertices, triangles, triangle_part, sheet, axes, centre, radius, key_map, soft_maps):
+def depth_maps(vertices, casters, axes, centre, radius, key_map, soft_maps):
     """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others."""
     for light in prange(axes.shape[0]):
         if light == 0:
-            _depth_map(vertices, triangles, triangle_part, sheet, axes[0], centre, radius, key_map)
+            _depth_map(vertices, casters, axes[0], centre, radius, key_map)
         else:
-            _depth_map(vertices, triangles, triangle_part, sheet, axes[light], centre, radius, soft_maps[light - 1])
+            _depth_map(vertices, casters, axes[light], centre, radius, soft_maps[light - 1])
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _depth_map(vertices, triangles, triangle_part, sheet, axes, centre, radius, depth):
+def _depth_map(vertices, triangles, axes, centre, radius, depth):
     cells = depth.shape[0]
     scale = np.float32(0.5 * cells / radius)
     half = np.float32(0.5 * cells)
@@ -57,8 +58,6 @@ def _depth_map(vertices, triangles, triangle_part, sheet, axes, centre, radius, 
         seen[v, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + half
         seen[v, 2] = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
     for t in range(triangles.shape[0]):
-        if sheet[triangle_part[t]]:
-            continue
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         ax, ay, bx, by, cx, cy = seen[a, 0], seen[a, 1], seen[b, 0], seen[b, 1], seen[c, 0], seen[c, 1]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -106,9 +105,8 @@ def _share_seen(x, y, z, axes, scale, depth):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _key_share(x, y, z, axes, scale, depth):
-    """The key light is large: the mean over nine points of its map, a few cells apart, for a soft edge."""
-    step = 1.6 / scale
+def _key_share(x, y, z, step, axes, scale, depth):
+    """The key light is large: the mean over nine points of its map, ``step`` mm apart, for a soft edge."""
     share = 0.0
     for p in range(-1, 2):
         for q in range(-1, 2):
@@ -121,7 +119,8 @@ def _key_share(x, y, z, axes, scale, depth):
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def vertex_light(
-    vertices, normals, needed, scatter, axes, colours, wrap, centre, radius, key_map, soft_maps, light, openness
+    vertices, normals, needed, scatter, spacing, axes, colours, wrap, centre, radius, key_map, soft_maps,
+    light, openness,
 ):  # fmt: skip
     """Light at each needed vertex.
 
@@ -148,7 +147,8 @@ def vertex_light(
             # Off the surface and a little towards the light, so that a surface does not shade itself.
             if k == 0:
                 qx, qy, qz = px + off * (nx + lx), py + off * (ny + ly), pz + off * (nz + lz)
-                seen = _key_share(qx, qy, qz, axes[0], key_scale, key_map)
+                step = max(_KEY_EDGE_MM, 0.8 * spacing[v])  # an edge finer than the mesh would be jagged
+                seen = _key_share(qx, qy, qz, step, axes[0], key_scale, key_map)
                 openness[v, 0] = seen
             else:
                 qx, qy, qz = px + off_soft * (nx + lx), py + off_soft * (ny + ly), pz + off_soft * (nz + lz)
@@ -172,10 +172,15 @@ def spread_below_skin(light, needed, welded, start, neighbour, weight, out):
         if not needed[v]:
             continue
         w = welded[v]
-        for c in range(3):
-            total, share = light[v, c], 1.0
-            for e in range(start[w], start[w + 1]):
-                if needed[neighbour[e]]:
-                    total += weight[e, c] * light[neighbour[e], c]
-                    share += weight[e, c]
-            out[v, c] = total / share
+        red, green, blue = light[v, 0], light[v, 1], light[v, 2]
+        share_red = share_green = share_blue = 1.0
+        for e in range(start[w], start[w + 1]):
+            n = neighbour[e]
+            if needed[n]:
+                red += weight[e, 0] * light[n, 0]
+                green += weight[e, 1] * light[n, 1]
+                blue += weight[e, 2] * light[n, 2]
+                share_red += weight[e, 0]
+                share_green += weight[e, 1]
+                share_blue += weight[e, 2]
+        out[v, 0], out[v, 1], out[v, 2] = red / share_red, green / share_green, blue / share_blue

@@ -6,6 +6,9 @@
 3. `draw`: each band in its own thread. Four samples per pixel keep the nearest triangle; then every surface seen in a
    pixel (samples of one part at about one depth) is shaded once, perspective-correct, at the middle of its samples.
 
+All that a pixel needs of a vertex lies in one row of ``points``, 64 bytes, one line of the cache: the columns are named
+below.
+
 Shading: diffuse light comes from the vertices; textures are read bilinearly from the level that fits the triangle's
 size; highlights are GGX (Walter et al. 2007) with Schlick's Fresnel for key, fill and rim, and the dome is mirrored by
 the height of the mirrored way.
@@ -18,8 +21,12 @@ from numba import njit, prange
 
 from mien.render.colour import KNEE, SRGB_STEPS
 
-__all__ = ["BAND", "SAMPLES", "draw", "project", "sort_into_bands"]
+__all__ = ["BAND", "COLUMNS", "SAMPLES", "SOLID", "U", "V", "draw", "pack", "project", "sort_into_bands"]
 
+# Columns of ``points``: place in the picture and 1/depth; normal; diffuse light sent back; GGX alpha and reflectance
+# head-on; share of the key light and of the dome that arrives; texture coordinates; opacity.
+X, Y, NEAR, NX, NY, NZ, RED, GREEN, BLUE, ALPHA, HEAD_ON, KEY, DOME, U, V, SOLID = range(16)
+COLUMNS = 16
 BAND = 16
 SAMPLES = np.array([[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]])
 _SAME_SURFACE_MM = 1.2
@@ -28,23 +35,23 @@ _REACH = 0.375  # from a pixel's middle to its outermost sample, along either ax
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def project(vertices, place, axes, focal, width, height, seen):
-    """Fill ``seen`` (vertices, 3): x and y in pixels, and 1 / distance along the view (0 where too near)."""
+def project(vertices, place, axes, focal, width, height, points):
+    """Fill X and Y in pixels, and NEAR = 1 / distance along the view (0 where too near to be drawn)."""
     for v in prange(vertices.shape[0]):
         x, y, z = vertices[v, 0] - place[0], vertices[v, 1] - place[1], vertices[v, 2] - place[2]
         depth = -(axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z)
         if depth < _NEAREST_MM:
-            seen[v, 2] = 0.0
+            points[v, NEAR] = 0.0
             continue
         across = axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z
         up = axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z
-        seen[v, 0] = np.rint((0.5 * width + focal * across / depth) * 256) / 256
-        seen[v, 1] = np.rint((0.5 * height - focal * up / depth) * 256) / 256
-        seen[v, 2] = 1.0 / depth
+        points[v, X] = np.rint((0.5 * width + focal * across / depth) * 256) / 256
+        points[v, Y] = np.rint((0.5 * height - focal * up / depth) * 256) / 256
+        points[v, NEAR] = 1.0 / depth
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def sort_into_bands(seen, triangles, triangle_part, sheet, width, height, needed):
+def sort_into_bands(points, triangles, triangle_part, sheet, width, height, needed):
     """Start of each band's list, the list of triangles; sets ``needed`` for the vertices that are seen."""
     bands = (height + BAND - 1) // BAND
     count = triangles.shape[0]
@@ -55,9 +62,9 @@ def sort_into_bands(seen, triangles, triangle_part, sheet, width, height, needed
     for t in range(count):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         last[t], first[t] = -1, 0
-        if seen[a, 2] == 0.0 or seen[b, 2] == 0.0 or seen[c, 2] == 0.0:
+        if points[a, NEAR] == 0.0 or points[b, NEAR] == 0.0 or points[c, NEAR] == 0.0:
             continue
-        ax, ay, bx, by, cx, cy = seen[a, 0], seen[a, 1], seen[b, 0], seen[b, 1], seen[c, 0], seen[c, 1]
+        ax, ay, bx, by, cx, cy = points[a, X], points[a, Y], points[b, X], points[b, Y], points[c, X], points[c, Y]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if area == 0.0 or (area > 0.0 and not sheet[triangle_part[t]]):  # y runs down: front faces are negative
             continue
@@ -81,11 +88,24 @@ def sort_into_bands(seen, triangles, triangle_part, sheet, width, height, needed
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
+def pack(normals, light, openness, albedo, gloss, needed, points):
+    """Fill the columns of ``points`` that change with the pose and that `project` did not fill."""
+    for v in prange(points.shape[0]):
+        if not needed[v]:
+            continue
+        for k in range(3):
+            points[v, NX + k] = normals[v, k]
+            points[v, RED + k] = light[v, k] * albedo[v, k]
+        points[v, ALPHA], points[v, HEAD_ON] = gloss[v, 0], gloss[v, 1]
+        points[v, KEY], points[v, DOME] = openness[v, 0], openness[v, 1]
+
+
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def draw(
-    seen, normals, light, openness, albedo, gloss, uv, triangles, triangle_part, start, listed,
-    texels, texture_level, place_axes, focal, directions, colours, sky, background, exposure, linear, srgb, noise, out,
+    points, triangles, triangle_part, start, listed, texels, texture_level, axes, focal,
+    directions, colours, sky, background, exposure, linear, srgb, noise, out,
 ):  # fmt: skip
-    """Draw all bands into ``out`` (height, width, 3) uint8."""
+    """Draw all bands into ``out`` (height, width, 3) uint8; ``background`` (height, 3) is linear."""
     height, width = out.shape[:2]
     for band in prange(start.shape[0] - 1):
         top = band * BAND
@@ -93,43 +113,45 @@ def draw(
         nearest = np.zeros((rows, width, 4), np.float32)
         owner = np.full((rows, width, 4), -1, np.int32)
         for k in range(start[band], start[band + 1]):
-            _cover(listed[k], seen, triangles, top, rows, width, nearest, owner)
-        pixel = np.empty(3)
-        mean = np.empty(3)
+            _cover(listed[k], points, triangles, top, rows, width, nearest, owner)
+        pixel = np.empty(4)
         for row in range(rows):
-            down = (top + row + 0.5) / height
-            behind = background[0] + down * (background[1] - background[0])
+            y = top + row
+            behind_r, behind_g, behind_b = background[y, 0], background[y, 1], background[y, 2]
             for x in range(width):
-                covered = 0
-                mean[:] = 0.0
+                red = green = blue = solid = 0.0
                 for s in range(4):
                     t = owner[row, x, s]
                     if t < 0:
                         continue
                     same, sx, sy = _gather(owner, nearest, triangle_part, row, x, s)
-                    covered += same
                     _shade(
-                        t, x + sx, top + row + sy, width, height, seen, normals, light, openness, albedo, gloss, uv,
-                        triangles, triangle_part, texels, texture_level, place_axes, focal, directions, colours, sky,
-                        exposure, linear, pixel,
+                        t, x + sx, y + sy, 0.5 * width, 0.5 * height, points, triangles, triangle_part, texels,
+                        texture_level, axes, focal, directions, colours, sky, exposure, linear, pixel,
                     )  # fmt: skip
-                    for c in range(3):
-                        mean[c] += 0.25 * same * pixel[c]
-                for c in range(3):
-                    value = mean[c]
-                    if covered < 4:
-                        value += 0.25 * (4 - covered) * behind[c]
-                    step = int(np.sqrt(min(value, 1.0)) * (SRGB_STEPS - 1) + 0.5)
-                    out[top + row, x, c] = int(min(255.0, srgb[step] + noise[(top + row) & 7, x & 7]))
+                    weight = 0.25 * same * pixel[3]
+                    red += weight * pixel[0]
+                    green += weight * pixel[1]
+                    blue += weight * pixel[2]
+                    solid += weight
+                dither = noise[y & 7, x & 7]
+                out[y, x, 0] = _byte(red + (1 - solid) * behind_r, srgb, dither)
+                out[y, x, 1] = _byte(green + (1 - solid) * behind_g, srgb, dither)
+                out[y, x, 2] = _byte(blue + (1 - solid) * behind_b, srgb, dither)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _cover(t, seen, triangles, top, rows, width, nearest, owner):
+def _byte(value, srgb, dither):
+    return np.uint8(min(255.0, srgb[int(np.sqrt(min(value, 1.0)) * (SRGB_STEPS - 1) + 0.5)] + dither))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _cover(t, points, triangles, top, rows, width, nearest, owner):
     """Keep triangle ``t`` in every sample of the band where it is the nearest so far."""
     a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-    ax, ay = float(seen[a, 0]), float(seen[a, 1]) - top
-    bx, by = float(seen[b, 0]), float(seen[b, 1]) - top
-    cx, cy = float(seen[c, 0]), float(seen[c, 1]) - top
+    ax, ay = float(points[a, X]), float(points[a, Y]) - top
+    bx, by = float(points[b, X]), float(points[b, Y]) - top
+    cx, cy = float(points[c, X]), float(points[c, Y]) - top
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     side = 1.0 if area > 0 else -1.0
     left, right = max(0, int(np.floor(min(ax, bx, cx)))), min(width - 1, int(np.floor(max(ax, bx, cx))))
@@ -142,7 +164,7 @@ def _cover(t, seen, triangles, top, rows, width, nearest, owner):
     slack_a, slack_b, slack_c = (
         -_REACH * (abs(wax) + abs(way)), -_REACH * (abs(wbx) + abs(wby)), -_REACH * (abs(wcx) + abs(wcy)),
     )  # fmt: skip
-    da, db, dc = seen[a, 2] / abs(area), seen[b, 2] / abs(area), seen[c, 2] / abs(area)
+    da, db, dc = points[a, NEAR] / abs(area), points[b, NEAR] / abs(area), points[c, NEAR] / abs(area)
     for j in range(low, high + 1):
         for i in range(left, right + 1):
             wa = wax * (i + 0.5) + way * (j + 0.5) + wa0
@@ -163,13 +185,14 @@ def _cover(t, seen, triangles, top, rows, width, nearest, owner):
 @njit(cache=True, error_model="numpy", nogil=True)
 def _gather(owner, nearest, triangle_part, row, x, s):
     """Take out of the pixel the samples that show the surface of sample ``s``: how many, and their middle."""
-    part, depth = triangle_part[owner[row, x, s]], 1.0 / nearest[row, x, s]
+    part, near = triangle_part[owner[row, x, s]], nearest[row, x, s]
     same, sx, sy = 1, SAMPLES[s, 0], SAMPLES[s, 1]
     for other in range(s + 1, 4):
         u = owner[row, x, other]
         if u < 0 or triangle_part[u] != part:
             continue
-        if abs(1.0 / nearest[row, x, other] - depth) < _SAME_SURFACE_MM:
+        too = nearest[row, x, other]
+        if abs(too - near) < _SAME_SURFACE_MM * too * near:  # both are 1 / depth
             same += 1
             sx += SAMPLES[other, 0]
             sy += SAMPLES[other, 1]
@@ -178,60 +201,68 @@ def _gather(owner, nearest, triangle_part, row, x, s):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
+def _mix(points, a, b, c, wa, wb, wc, column):
+    return wa * points[a, column] + wb * points[b, column] + wc * points[c, column]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
 def _shade(
-    t, px, py, width, height, seen, normals, light, openness, albedo, gloss, uv, triangles, triangle_part,
-    texels, texture_level, axes, focal, directions, colours, sky, exposure, linear, pixel,
+    t, px, py, middle_x, middle_y, points, triangles, triangle_part, texels, texture_level, axes, focal,
+    directions, colours, sky, exposure, linear, pixel,
 ):  # fmt: skip
+    """Fill ``pixel`` with red, green, blue (linear, after the tone curve) and opacity of a triangle at one point."""
     a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-    ax, ay = float(seen[a, 0]), float(seen[a, 1])
-    bx, by = float(seen[b, 0]), float(seen[b, 1])
-    cx, cy = float(seen[c, 0]), float(seen[c, 1])
+    ax, ay, bx, by = float(points[a, X]), float(points[a, Y]), float(points[b, X]), float(points[b, Y])
+    cx, cy = float(points[c, X]), float(points[c, Y])
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     # Shares of the corners; the point may lie a little outside, so they are kept at 0 or more.
-    wa = max(0.0, ((bx - px) * (cy - py) - (by - py) * (cx - px)) / area) * seen[a, 2]
-    wb = max(0.0, ((cx - px) * (ay - py) - (cy - py) * (ax - px)) / area) * seen[b, 2]
-    wc = max(0.0, ((ax - px) * (by - py) - (ay - py) * (bx - px)) / area) * seen[c, 2]
-    total = wa + wb + wc
-    wa, wb, wc = wa / total, wb / total, wc / total
-    # The way to the camera, and the normal turned to its side.
-    ex, ey = -(px - 0.5 * width) / focal, (py - 0.5 * height) / focal
-    vx, vy, vz = (
-        axes[0, 0] * ex + axes[1, 0] * ey + axes[2, 0],
-        axes[0, 1] * ex + axes[1, 1] * ey + axes[2, 1],
-        axes[0, 2] * ex + axes[1, 2] * ey + axes[2, 2],
-    )
-    length = np.sqrt(vx * vx + vy * vy + vz * vz)
-    vx, vy, vz = vx / length, vy / length, vz / length
-    nx = wa * normals[a, 0] + wb * normals[b, 0] + wc * normals[c, 0]
-    ny = wa * normals[a, 1] + wb * normals[b, 1] + wc * normals[c, 1]
-    nz = wa * normals[a, 2] + wb * normals[b, 2] + wc * normals[c, 2]
-    length = np.sqrt(nx * nx + ny * ny + nz * nz) + 1e-9
-    if area > 0.0:
-        length = -length
-    nx, ny, nz = nx / length, ny / length, nz / length
-    facing = max(nx * vx + ny * vy + nz * vz, 0.05)
+    wa = max(0.0, ((bx - px) * (cy - py) - (by - py) * (cx - px)) / area) * points[a, NEAR]
+    wb = max(0.0, ((cx - px) * (ay - py) - (cy - py) * (ax - px)) / area) * points[b, NEAR]
+    wc = max(0.0, ((ax - px) * (by - py) - (ay - py) * (bx - px)) / area) * points[c, NEAR]
+    share = 1.0 / (wa + wb + wc)
+    wa, wb, wc = wa * share, wb * share, wc * share
     for k in range(3):
-        pixel[k] = wa * light[a, k] * albedo[a, k] + wb * light[b, k] * albedo[b, k] + wc * light[c, k] * albedo[c, k]
+        pixel[k] = _mix(points, a, b, c, wa, wb, wc, RED + k)
+    pixel[3] = _mix(points, a, b, c, wa, wb, wc, SOLID)
     part = triangle_part[t]
     if texture_level[part, 0, 1] > 0:
-        _texture(part, abs(area), a, b, c, wa, wb, wc, uv, texels, texture_level, linear, pixel)
-    alpha = wa * gloss[a, 0] + wb * gloss[b, 0] + wc * gloss[c, 0]
-    head_on = wa * gloss[a, 1] + wb * gloss[b, 1] + wc * gloss[c, 1]
-    key_open = wa * openness[a, 0] + wb * openness[b, 0] + wc * openness[c, 0]
-    dome_open = wa * openness[a, 1] + wb * openness[b, 1] + wc * openness[c, 1]
+        _texture(part, abs(area), points, a, b, c, wa, wb, wc, texels, texture_level, linear, pixel)
+    # The way to the camera, and the normal turned to its side.
+    ex, ey = (middle_x - px) / focal, (py - middle_y) / focal
+    vx = axes[0, 0] * ex + axes[1, 0] * ey + axes[2, 0]
+    vy = axes[0, 1] * ex + axes[1, 1] * ey + axes[2, 1]
+    vz = axes[0, 2] * ex + axes[1, 2] * ey + axes[2, 2]
+    share = 1.0 / np.sqrt(vx * vx + vy * vy + vz * vz)
+    vx, vy, vz = vx * share, vy * share, vz * share
+    nx, ny, nz = (
+        _mix(points, a, b, c, wa, wb, wc, NX),
+        _mix(points, a, b, c, wa, wb, wc, NY),
+        _mix(points, a, b, c, wa, wb, wc, NZ),
+    )
+    share = 1.0 / (np.sqrt(nx * nx + ny * ny + nz * nz) + 1e-9)
+    if area > 0.0:
+        share = -share
+    nx, ny, nz = nx * share, ny * share, nz * share
+    straight = nx * vx + ny * vy + nz * vz
+    facing = max(straight, 0.05)
+    alpha, head_on = _mix(points, a, b, c, wa, wb, wc, ALPHA), _mix(points, a, b, c, wa, wb, wc, HEAD_ON)
+    dome_open = _mix(points, a, b, c, wa, wb, wc, DOME)
+    seen = _mix(points, a, b, c, wa, wb, wc, KEY)
     for k in range(3):
-        shine = _highlight(nx, ny, nz, vx, vy, vz, facing, directions[k], alpha, head_on)
-        shine *= key_open if k == 0 else dome_open
-        if shine > 0.0:
-            for ch in range(3):
-                pixel[ch] += shine * colours[k, ch]
+        shine = seen * _highlight(
+            nx, ny, nz, vx, vy, vz, facing, directions[k, 0], directions[k, 1], directions[k, 2], alpha, head_on
+        )
+        seen = dome_open
+        for ch in range(3):
+            pixel[ch] += shine * colours[k, ch]
     # The dome mirrored: by the height of the mirrored way, less on rough surfaces, more at a grazing angle.
-    up = 2 * (nx * vx + ny * vy + nz * vz) * ny - vy
-    fresnel = head_on + (max(1.0 - alpha, head_on) - head_on) * (1 - facing) ** 5 * min(1.0, 12.5 * head_on)
+    up = 2 * straight * ny - vy
+    rise = max(1.0 - alpha, head_on) - head_on
+    mirrored = (head_on + rise * _fifth(1 - facing) * min(1.0, 12.5 * head_on)) * dome_open * dome_open
     for ch in range(3):
         low = sky[1, ch]
-        mirrored = low + up * (sky[0, ch] - low) if up > 0.0 else low - up * (sky[2, ch] - low)
-        lit = exposure * (pixel[ch] + fresnel * dome_open * dome_open * mirrored)
+        around = low + up * (sky[0, ch] - low) if up > 0.0 else low - up * (sky[2, ch] - low)
+        lit = exposure * (pixel[ch] + mirrored * around)
         if lit > KNEE:
             s = (lit - KNEE) / (1 - KNEE)
             lit = KNEE + (1 - KNEE) * s / (1 + s)
@@ -239,35 +270,41 @@ def _shade(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _highlight(nx, ny, nz, vx, vy, vz, facing, towards, alpha, head_on):
-    """Cook-Torrance with GGX and the height-correlated Smith term as Hammon's approximation; times pi, times cosine."""
-    lit = nx * towards[0] + ny * towards[1] + nz * towards[2]
-    if lit <= 0.0:
-        return 0.0
-    hx, hy, hz = vx + towards[0], vy + towards[1], vz + towards[2]
-    length = np.sqrt(hx * hx + hy * hy + hz * hz) + 1e-9
-    nh = max(0.0, (nx * hx + ny * hy + nz * hz) / length)
-    vh = (vx * hx + vy * hy + vz * hz) / length
-    squared = alpha * alpha
-    spread = nh * nh * (squared - 1.0) + 1.0
-    fresnel = head_on + (1.0 - head_on) * (1.0 - vh) ** 5 * min(1.0, 12.5 * head_on)
-    masked = 0.5 / (2.0 * lit * facing * (1.0 - alpha) + (lit + facing) * alpha)
-    return squared / (spread * spread) * fresnel * masked * lit
+def _fifth(x):
+    return x * x * x * x * x
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _texture(part, area, a, b, c, wa, wb, wc, uv, texels, texture_level, linear, pixel):
+def _highlight(nx, ny, nz, vx, vy, vz, facing, lx, ly, lz, alpha, head_on):
+    """Cook-Torrance with GGX and the height-correlated Smith term as Hammon's approximation; times pi, times cosine."""
+    lit = nx * lx + ny * ly + nz * lz
+    if lit <= 0.0:
+        return 0.0
+    hx, hy, hz = vx + lx, vy + ly, vz + lz
+    share = 1.0 / (np.sqrt(hx * hx + hy * hy + hz * hz) + 1e-9)
+    nh = max(0.0, (nx * hx + ny * hy + nz * hz) * share)
+    vh = (vx * hx + vy * hy + vz * hz) * share
+    squared = alpha * alpha
+    spread = nh * nh * (squared - 1.0) + 1.0
+    fresnel = head_on + (1.0 - head_on) * _fifth(1.0 - vh) * min(1.0, 12.5 * head_on)
+    masked = 2.0 * lit * facing * (1.0 - alpha) + (lit + facing) * alpha
+    return 0.5 * squared * fresnel * lit / (spread * spread * masked)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _texture(part, area, points, a, b, c, wa, wb, wc, texels, texture_level, linear, pixel):
     """Multiply ``pixel`` by the texture, from the level on which a texel is about as large as a pixel."""
     wide, tall = texture_level[part, 0, 1], texture_level[part, 0, 2]
-    du, dv, eu, ev = uv[b, 0] - uv[a, 0], uv[b, 1] - uv[a, 1], uv[c, 0] - uv[a, 0], uv[c, 1] - uv[a, 1]
+    du, dv = points[b, U] - points[a, U], points[b, V] - points[a, V]
+    eu, ev = points[c, U] - points[a, U], points[c, V] - points[a, V]
     ratio = abs(du * ev - dv * eu) * wide * tall / area
     level = 0
     while ratio > 2.0 and level < texture_level.shape[1] - 1:
         ratio *= 0.25
         level += 1
     first, wide, tall = texture_level[part, level, 0], texture_level[part, level, 1], texture_level[part, level, 2]
-    u = (wa * uv[a, 0] + wb * uv[b, 0] + wc * uv[c, 0]) * wide - 0.5
-    v = (wa * uv[a, 1] + wb * uv[b, 1] + wc * uv[c, 1]) * tall - 0.5
+    u = _mix(points, a, b, c, wa, wb, wc, U) * wide - 0.5
+    v = _mix(points, a, b, c, wa, wb, wc, V) * tall - 0.5
     i, j = int(np.floor(u)), int(np.floor(v))
     fu, fv = u - i, v - j
     i0, i1 = min(max(i, 0), wide - 1), min(max(i + 1, 0), wide - 1)

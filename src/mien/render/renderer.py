@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from threading import Lock
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,8 @@ Picture = NDArray[np.uint8]
 MAX_SIDE = 8192
 _LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
 _SPREAD_STEPS = 2
+# The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
+_ONE_AT_A_TIME = Lock()
 
 
 class Renderer:
@@ -59,6 +63,12 @@ class Renderer:
         self._scene = Scene.of(face, self.lighting.reach_mm)
         self._light_axes = light.light_axes(self.lighting.directions)
         self._noise = _dither()
+        down = (np.arange(height, dtype=np.float32)[:, None] + 0.5) / height
+        top, bottom = self.lighting.background
+        self._background = (top + down * (bottom - top)).astype(np.float32)
+        self._points = np.zeros((len(self._scene.uv), raster.COLUMNS), dtype=np.float32)
+        self._points[:, [raster.U, raster.V]] = self._scene.uv
+        self._points[:, raster.SOLID] = self._scene.solid
 
     def render(self, posed: PosedFace) -> Picture:
         """Draw a posed face.
@@ -81,18 +91,20 @@ class Renderer:
         vertices, normals = self._joined(posed)
         scene, camera, lights = self._scene, self.camera, self.lighting
         axes, focal = camera.axes(), camera.focal_pixels(self.height)
-        seen, needed = np.empty_like(vertices), np.empty(len(vertices), dtype=np.bool_)
-        raster.project(vertices, camera.place(), axes, focal, self.width, self.height, seen)
-        start, listed = raster.sort_into_bands(
-            seen, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
-        )
-        lit, openness = self._light(vertices, normals, needed)
+        points, needed = self._points.copy(), np.empty(len(vertices), dtype=np.bool_)
         picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
-        raster.draw(
-            seen, normals, lit, openness, scene.albedo, scene.gloss, scene.uv, scene.triangles, scene.triangle_part,
-            start, listed, scene.texels, scene.texture_level, axes, focal, lights.directions, lights.colours,
-            lights.sky, lights.background, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
-        )  # fmt: skip
+        with _ONE_AT_A_TIME:
+            raster.project(vertices, camera.place(), axes, focal, self.width, self.height, points)
+            start, listed = raster.sort_into_bands(
+                points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
+            )
+            lit, openness = self._light(vertices, normals, needed)
+            raster.pack(normals, lit, openness, scene.albedo, scene.gloss, needed, points)
+            raster.draw(
+                points, scene.triangles, scene.triangle_part, start, listed, scene.texels, scene.texture_level, axes,
+                focal, lights.directions, lights.colours, lights.sky, self._background, lights.exposure,
+                _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
+            )  # fmt: skip
         return picture
 
     def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -110,14 +122,13 @@ class Renderer:
         key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
         soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
         light.depth_maps(
-            vertices, scene.triangles, scene.triangle_part, scene.sheet, self._light_axes, scene.head_centre,
-            scene.head_radius, key_map, soft_maps,
+            vertices, scene.casters, self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps
         )  # fmt: skip
         lit = np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
         light.vertex_light(
-            vertices, normals, needed, scene.scatter, self._light_axes, lights.colours, lights.wrap, scene.head_centre,
-            scene.head_radius, key_map, soft_maps, lit, openness,
+            vertices, normals, needed, scene.scatter, scene.spacing, self._light_axes, lights.colours, lights.wrap,
+            scene.head_centre, scene.head_radius, key_map, soft_maps, lit, openness,
         )  # fmt: skip
         for _ in range(_SPREAD_STEPS):
             spread = lit.copy()

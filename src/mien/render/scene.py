@@ -17,8 +17,10 @@ Floats = NDArray[np.float32]
 Indices = NDArray[np.int32]
 
 LEVELS = 12  # of a texture, each half the size of the last
-# A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts no shadow.
+# A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts none.
 _SHEET_SHARE = 0.08
+_CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
+_FADE_MM = 28.0
 # How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
 _LIP_REDNESS, _LIP_FULL = 0.10, 0.22
 _LIP_ROUGHNESS, _LIP_SPECULAR = 0.60, 1.35
@@ -35,6 +37,13 @@ class Scene:
     triangles : ndarray of int32, shape (triangles, 3)
     triangle_part : ndarray of int32, shape (triangles,)
     sheet : ndarray of bool, shape (parts,)
+        Seen from both sides.
+    casters : ndarray of int32, shape (some triangles, 3)
+        Those that cast shadows: of large parts that are not sheets.
+    solid : ndarray of float32, shape (vertices,)
+        Opacity: 1, falling to 0 where the trunk is cut off.
+    spacing : ndarray of float32, shape (vertices,)
+        Mean length of the edges at a vertex, mm.
     albedo : ndarray of float32, shape (vertices, 3)
         Linear; vertex colour times material colour.
     gloss : ndarray of float32, shape (vertices, 2)
@@ -58,6 +67,9 @@ class Scene:
     triangles: Indices
     triangle_part: Indices
     sheet: NDArray[np.bool_]
+    casters: Indices
+    solid: Floats
+    spacing: Floats
     albedo: Floats
     gloss: Floats
     scatter: Floats
@@ -82,11 +94,15 @@ class Scene:
         scatter = np.concatenate([np.full(len(part.vertices), part.material.scatter, np.float32) for part in parts])
         texels, levels = _textures(parts)
         centre, radius = _head_ball(parts)
+        sheet = np.array([_open_edges(part)[1] > _SHEET_SHARE for part in parts])
         return cls(
             starts=tuple(starts),
             triangles=np.ascontiguousarray(triangles, dtype=np.int32),
             triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
-            sheet=np.array([_is_sheet(part) for part in parts]),
+            sheet=sheet,
+            casters=_casters(parts, starts, sheet),
+            solid=np.concatenate([_solid(part) for part in parts]),
+            spacing=np.concatenate([_spacing(part) for part in parts]),
             albedo=np.concatenate(
                 [linear_from_srgb(p.colours) * linear_from_srgb(p.material.colour) for p in parts]
             ).astype(np.float32),
@@ -102,11 +118,40 @@ class Scene:
         )
 
 
-def _is_sheet(part: Part) -> bool:
+def _open_edges(part: Part) -> tuple[Indices, float]:
+    """Edges with a triangle on one side only, as pairs of vertices, and their share of all edges."""
     welded = welded_vertices(part)[part.triangles]
     edges = np.sort(np.concatenate([welded[:, [0, 1]], welded[:, [1, 2]], welded[:, [2, 0]]]), axis=1)
-    _, count = np.unique(edges, axis=0, return_counts=True)
-    return bool((count == 1).mean() > _SHEET_SHARE)
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    return edges[count == 1], float((count == 1).mean())
+
+
+def _casters(parts: tuple[Part, ...], starts: list[int], sheet: NDArray[np.bool_]) -> Indices:
+    corners = [part.vertices[part.triangles] for part in parts]
+    areas = np.array([np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum() for c in corners])
+    cast = ~sheet & (areas > _CASTER_SHARE * areas.sum())
+    chosen = [part.triangles + start for part, start, casts in zip(parts, starts, cast, strict=False) if casts]
+    return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *chosen]), dtype=np.int32)
+
+
+def _solid(part: Part) -> Floats:
+    """Fades the trunk out towards the edge where it is cut off, so that a bust does not end in a rim."""
+    from scipy.spatial import KDTree
+
+    edge = np.unique(_open_edges(part)[0])
+    edge = edge[part.head_weight[edge] < 0.5]
+    solid = np.ones(len(part.vertices), dtype=np.float32)
+    if len(edge):
+        distance, _ = KDTree(part.vertices[edge]).query(part.vertices)
+        solid[:] = np.clip(distance / _FADE_MM, 0, 1)
+    return solid
+
+
+def _spacing(part: Part) -> Floats:
+    ends = np.concatenate([part.triangles[:, [0, 1]], part.triangles[:, [1, 2]], part.triangles[:, [2, 0]]])
+    length = np.linalg.norm(part.vertices[ends[:, 0]] - part.vertices[ends[:, 1]], axis=1)
+    total, count = (np.bincount(ends.reshape(-1), w, len(part.vertices)) for w in (np.repeat(length, 2), None))
+    return (total / np.maximum(count, 1)).astype(np.float32)
 
 
 def _gloss(part: Part) -> Floats:
