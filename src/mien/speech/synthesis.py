@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from mien.errors import AlignmentError, Note
-from mien.speech.text import spoken_words
+from mien.speech.align import align_words, tiers
+from mien.speech.pronunciation import pronounce, pronunciations
+from mien.speech.text import SpokenText, spoken_words
 from mien.speech.utterance import Utterance
 from mien.speech.voices import Speech, Voice, get_voice
 
@@ -21,14 +23,19 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
     text : str
         English as written: numbers and abbreviations are read out.
     voice : str or None
-        A name of `mien.speech.voices.catalogue`; None takes the best one installed.
+        A name of `mien.speech.voices.catalogue`; None takes the best one that is installed.
     seed : int
         Same text, voice and seed: same samples and times.
+
+    Returns
+    -------
+    Utterance
+        Word ``i`` of its words tier is word ``i`` of ``spoken_words(text).words``.
 
     Raises
     ------
     InputError
-        If the text is empty or the voice cannot speak it, or there is no voice of this name.
+        If the text cannot be spoken, or there is no voice of this name.
     MissingPartError
         If the voice is not installed; the message tells how to install it.
     """
@@ -36,25 +43,27 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
     speaker = get_voice(voice)
     speech = speaker.speak(spoken, seed)
     if speaker.realign or speech.phones is None:
-        return _aligned(text, speaker, speech)
-    return _as_spoken(text, speaker, speech).with_notes(*spoken.notes)
+        utterance = _aligned(spoken, speaker, speech)
+    else:
+        utterance = _as_spoken(spoken, speaker, speech)
+    return utterance.with_notes(*spoken.notes)
 
 
-def _aligned(text: str, voice: Voice, speech: Speech) -> Utterance:
+def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
+    words = [word.text for word in spoken.words]
+    choices = [pronunciations(word) if voice.own_pronunciation else (pronounce(word),) for word in words]
     try:
-        from mien.speech.align import align
-    except ModuleNotFoundError:
-        return _as_spoken(text, voice, speech)
-    try:
-        return align(speech.audio, text)
+        phones = align_words(speech.audio, words, choices)
     except AlignmentError as problem:
         if speech.phones is None:
             raise
         reason = Note("note", f"the times are the voice's own, since its sound could not be aligned: {problem}")
-        return _as_spoken(text, voice, speech).with_notes(reason)
+        return _as_spoken(spoken, voice, speech).with_notes(reason)
+    word_tier, phone_tier = tiers(phones, words, speech.audio.duration)
+    return Utterance(spoken.written, speech.audio, word_tier, phone_tier, voice.language, "aligned")
 
 
-def _as_spoken(text: str, voice: Voice, speech: Speech) -> Utterance:
+def _as_spoken(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
     if speech.phones is None or speech.words is None:
-        raise AlignmentError(f"the voice {voice.name!r} gave no times; choose another voice")
-    return Utterance(text, speech.audio, speech.words, speech.phones, voice.language, "voice")
+        raise AlignmentError(f"the voice {voice.name!r} told no times; choose another voice")
+    return Utterance(spoken.written, speech.audio, speech.words, speech.phones, voice.language, "voice")

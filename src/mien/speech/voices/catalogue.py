@@ -5,7 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 from mien.errors import MissingPartError, unknown_name
+from mien.speech.voices.espeak import Espeak
+from mien.speech.voices.festival import festival_voices
 from mien.speech.voices.kokoro import Kokoro
+from mien.speech.voices.piper import Piper
 from mien.speech.voices.voice import Voice
 
 __all__ = ["DEFAULT_VOICE", "catalogue", "get_voice"]
@@ -22,7 +25,8 @@ def catalogue() -> tuple[Voice, ...]:
     >>> catalogue()[0].name
     'kokoro-heart'
     """
-    return tuple(Kokoro(speaker) for speaker in ("heart", "bella", "michael", "fenrir"))
+    kokoro = tuple(Kokoro(speaker) for speaker in ("heart", "bella", "michael", "fenrir"))
+    return (*kokoro, *festival_voices(), Espeak(), Piper())
 
 
 def get_voice(name: str | None = None) -> Voice:

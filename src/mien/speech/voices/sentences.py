@@ -45,14 +45,14 @@ class Sentence:
 
     @property
     def text(self) -> str:
-        """The words and their marks as one line.
+        """The words and their marks as one line; a dash becomes a comma.
 
         Examples
         --------
         >>> Sentence((Word("oh", ("OW",), ","), Word("no", ("N", "OW"), "!"))).text
         'oh, no!'
         """
-        return " ".join(word.plain + word.mark.replace("-", " -") for word in self.words)
+        return " ".join(word.plain + word.mark.replace("-", ",") for word in self.words)
 
     @property
     def mark(self) -> str:

@@ -61,6 +61,8 @@ class Voice(ABC):
         The program or model that makes the sound.
     licence, lineage : str
         One line each: the terms, and the data and weights it comes from.
+    own_pronunciation : bool
+        Whether the engine looks words up by itself, so that it may say other phones than `mien.speech.pronunciation`.
     realign : bool
         Whether a forced alignment of the sound gives better phone times than the engine's own. Measured by
         ``benchmarks/voices.py`` (``docs/tables/voices.md``).
@@ -71,6 +73,7 @@ class Voice(ABC):
     engine: str
     licence: str
     lineage: str
+    own_pronunciation: bool
     realign: bool
 
     @abstractmethod

@@ -1,0 +1,147 @@
+"""Festival, when it is installed: a separate program, with phone times from its own utterance structure."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import tomllib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import soundfile
+
+from mien.errors import InputError, MissingPartError
+from mien.speech.voices.joining import Piece, join_pieces
+from mien.speech.voices.programs import run_program
+from mien.speech.voices.sentences import Sentence
+from mien.speech.voices.voice import Availability, Speech, Voice
+from mien.timeline import Interval
+
+__all__ = ["Festival", "festival_voices", "scheme_string"]
+
+_PROGRAM = "festival"
+_LIST_SECONDS = 20.0
+
+
+class Festival(Voice):
+    """One of Festival's American voices.
+
+    Parameters
+    ----------
+    name : str
+        A key of ``[voices]`` in ``assets/voices/festival.toml``.
+    """
+
+    language = "en-US"
+    engine = "Festival, a separate program"
+    own_pronunciation = True
+    realign = False
+
+    def __init__(self, name: str) -> None:
+        entry = _settings()["voices"][name]
+        self.name = name
+        self.licence: str = entry["licence"]
+        self.lineage: str = entry["lineage"]
+        self._command: str = entry["command"]
+        self._package: str = entry["package"]
+
+    def availability(self) -> Availability:
+        """Whether the program and this voice are installed."""
+        if self._command in _installed_voices():
+            return Availability(True, f"{shutil.which(_PROGRAM)} with {self._command}")
+        return Availability(False, f"on Debian or Ubuntu run: apt install festival {self._package}")
+
+    def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
+        with tempfile.TemporaryDirectory() as folder:
+            waves = [Path(folder) / f"{number}.wav" for number in range(len(sentences))]
+            script = Path(folder) / "speak.scm"
+            script.write_bytes(self._script(sentences, waves))
+            printed = run_program([_PROGRAM, "--batch", str(script)], self.name).decode("latin-1")
+            told = printed.split("sentence\n")[1:]
+            if len(told) != len(sentences) or not all(wave.exists() for wave in waves):
+                raise MissingPartError(f"Festival spoke {len(told)} of {len(sentences)} sentences: reinstall it")
+            sounds = [soundfile.read(wave, dtype="float64") for wave in waves]
+        pieces = [
+            Piece(samples, *_times(lines, sentence), sentence.mark)
+            for (samples, _), lines, sentence in zip(sounds, told, sentences, strict=True)
+        ]
+        return join_pieces(pieces, sounds[0][1])
+
+    def _script(self, sentences: tuple[Sentence, ...], waves: list[Path]) -> bytes:
+        functions = (files("mien") / "assets" / "voices" / "festival.scm").read_text(encoding="ascii")
+        calls = [
+            f"(speak-sentence {scheme_string(sentence.text)} {scheme_string(str(wave))})"
+            for sentence, wave in zip(sentences, waves, strict=True)
+        ]
+        return "\n".join([functions, f"(voice_{self._command})", *calls, ""]).encode("latin-1")
+
+
+def scheme_string(text: str) -> str:
+    r"""A text as a Scheme string that cannot end early; Festival reads Latin-1.
+
+    Raises
+    ------
+    InputError
+        If a character is not in Latin-1.
+
+    Examples
+    --------
+    >>> print(scheme_string('say "hi") (exit) \\'))
+    "say \"hi\") (exit) \\"
+    """
+    try:
+        text.encode("latin-1")
+    except UnicodeEncodeError as problem:
+        raise InputError(
+            f"Festival reads Latin-1 only, and {text[problem.start]!r} is not in it: write it out"
+        ) from problem
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
+
+
+def _times(lines: str, sentence: Sentence) -> tuple[list[Interval], list[Interval]]:
+    """Phones, and a word for every token that has any: Festival's tokens are the words we gave it.
+
+    Empty if a phone is not in our table or the tokens are not our words: the sound is aligned then.
+    """
+    table = _settings()["phones"]
+    phones: list[Interval] = []
+    tokens: list[list[Interval]] = []
+    for line in lines.splitlines():
+        kind, *rest = line.split()
+        if kind == "token":
+            tokens.append([])
+            continue
+        if kind != "phone" or rest[0] not in table:
+            return [], []
+        phone = Interval(float(rest[1]), float(rest[2]), table[rest[0]])
+        phones.append(phone)
+        tokens[-1].append(phone)
+    spoken = [token for token in tokens if token]
+    if len(spoken) != len(sentence.words):
+        return [], []
+    words = [Interval(t[0].start, t[-1].end, w.text) for t, w in zip(spoken, sentence.words, strict=True)]
+    return phones, words
+
+
+def festival_voices() -> tuple[Festival, ...]:
+    """All of Festival's voices that mien knows."""
+    return tuple(Festival(name) for name in _settings()["voices"])
+
+
+@cache
+def _installed_voices() -> frozenset[str]:
+    if shutil.which(_PROGRAM) is None:
+        return frozenset()
+    try:
+        printed = run_program([_PROGRAM, "--batch", "(print (voice.list))"], _PROGRAM, seconds=_LIST_SECONDS)
+    except MissingPartError:
+        # A program of this name that does not answer is not a Festival we can speak with.
+        return frozenset()
+    return frozenset(printed.decode("latin-1").replace("(", " ").replace(")", " ").split())
+
+
+@cache
+def _settings() -> dict[str, Any]:
+    return tomllib.loads((files("mien") / "assets" / "voices" / "festival.toml").read_text(encoding="utf-8"))
