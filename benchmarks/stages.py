@@ -115,8 +115,8 @@ def main() -> None:
     lines = [
         "# Speed of `mien animate`",
         "",
-        "Written by `python benchmarks/stages.py`. Processing time over sound length: below 1 is faster than real time.",
-        f"1280x720, 30 frames/s, {os.cpu_count()} shared cores, {platform.machine()}, Python {platform.python_version()}.",
+        "Written by `python benchmarks/stages.py`. Processing time over sound length (real time is 1).",
+        f"1280x720, 30 frames/s, {os.cpu_count()} shared cores, {platform.machine()}.",
         "",
         head,
         "| --- |" + " --- |" * len(columns),

@@ -152,7 +152,7 @@ def _align(options: argparse.Namespace) -> int:
     from mien import api
     from mien.errors import InputError
     from mien.output.registry import check_output
-    from mien.output.textgrid import write_textgrid
+    from mien.textgrid import write_textgrid
 
     if not options.output.lower().endswith(".textgrid"):
         raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")

@@ -75,7 +75,7 @@ def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progre
 
 
 def _write_textgrid(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
-    from mien.output.textgrid import write_textgrid
+    from mien.textgrid import write_textgrid
 
     speech = animation.utterance
     return write_textgrid((speech.words, speech.phones), speech.duration, path)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from praatio import textgrid
 
 from mien.errors import InputError
-from mien.output.textgrid import read_textgrid, write_textgrid
+from mien.textgrid import read_textgrid, write_textgrid
 from mien.timeline import Interval, Tier
 
 WORDS = Tier("words", (Interval(0.25, 0.5, "never"), Interval(0.5, 1.1, 'say "never"')))

@@ -1,0 +1,1 @@
+"""Recordings of sound and face motion, checked and ready to learn from."""

@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mien.corpus.corpus import Corpus
+from mien.corpus.take import Take
+from mien.errors import InputError
+from mien.timeline import FrameRate
+from mien.tracks import MarkerTrack
+from tests.utterances import utterance
+
+
+def take(name: str = "one", seed: int = 1) -> Take:
+    speech = utterance(("SIL", 0.2), ("M", 0.1), ("AA", 0.2), ("SIL", 0.2))
+    random = np.random.default_rng(seed)
+    positions = random.normal(0, 30, (18, 4, 3)).astype(np.float32)
+    positions[3, 2] = np.nan
+    return Take(
+        name=name,
+        audio=speech.audio,
+        markers=MarkerTrack(("a", "b", "c", "d"), positions, FrameRate.of(25)),
+        text="ma “quoted” – dash",
+        words=speech.words,
+        phones=speech.phones,
+        layout="tiny",
+        head=np.tile(np.eye(4), (18, 1, 1)),
+        emotion="happy",
+        sentence="ma",
+        speaker="s1",
+        source={"file": "a.c3d"},
+    )
+
+
+def test_a_take_comes_back_as_it_went_in(tmp_path: Path) -> None:
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    corpus.add(take())
+    back = Corpus(tmp_path / "corpus").take("one")
+    there = take()
+    assert back.audio == there.audio
+    assert back.markers == there.markers
+    assert back.phones == there.phones
+    assert back.words == there.words
+    assert back.head is not None
+    assert np.array_equal(back.head, np.tile(np.eye(4), (18, 1, 1)))
+    for field in ("name", "text", "layout", "emotion", "sentence", "speaker", "source"):
+        assert getattr(back, field) == getattr(there, field)
+
+
+def test_the_digest_follows_the_content_and_not_the_name(tmp_path: Path) -> None:
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    for name, seed in (("one", 1), ("same", 1), ("other", 2)):
+        corpus.add(take(name, seed))
+    assert corpus.digest("one") == corpus.digest("same") != corpus.digest("other")
+
+
+def test_the_manifest_is_plain_json_lines_in_order(tmp_path: Path) -> None:
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    corpus.add(take("b"))
+    corpus.add(take("a", 2))
+    lines = (tmp_path / "corpus" / "manifest.jsonl").read_text(encoding="utf-8").splitlines()
+    assert [json.loads(line)["name"] for line in lines] == ["a", "b"]
+    assert corpus.names == ("a", "b")
+    assert [t.name for t in corpus] == ["a", "b"]
+
+
+def test_what_is_no_corpus_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="mien corpus import"):
+        Corpus(tmp_path)
+    (tmp_path / "corpus.json").write_text('{"format": "mien-corpus", "version": 99}')
+    with pytest.raises(InputError, match="version 1"):
+        Corpus(tmp_path)
+
+
+def test_a_damaged_take_is_named(tmp_path: Path) -> None:
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    corpus.add(take())
+    motion = tmp_path / "corpus" / "motion" / "one.npz"
+    motion.write_bytes(motion.read_bytes()[:100])
+    with pytest.raises(InputError, match="one.npz: missing or damaged"):
+        corpus.take("one")
+    with pytest.raises(InputError, match="no take 'two'"):
+        corpus.take("two")
+
+
+@pytest.mark.parametrize("name", ["", "../x", "a b", ".hidden", "a/b"])
+def test_a_name_that_cannot_be_a_file_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match="a take's name"):
+        take(name)
