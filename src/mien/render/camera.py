@@ -17,7 +17,7 @@ from mien.face.face import Face
 __all__ = ["Camera"]
 
 # The eyes lie about half-way up a head; so the crown's height over the eyes, times these, frames head and shoulders.
-_FIELD, _CENTRE, _WIDTH = 3.05, -0.27, 2.0
+_FIELD, _CENTRE, _WIDTH = 2.75, -0.2, 2.0
 _DISTANCE_MM = 1100.0  # a portrait lens's distance
 
 

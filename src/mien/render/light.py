@@ -18,9 +18,8 @@ __all__ = ["KEY_CELLS", "SOFT_CELLS", "depth_maps", "light_axes", "spread_below_
 
 KEY_CELLS, SOFT_CELLS = 768, 160
 _NOTHING = np.float32(-1e9)
-# How far a vertex is moved off its surface before it is held against a map, in mm: skin lets light round its edges.
-_KEY_EDGE_MM = 0.6
-_OFF_HARD, _OFF_SKIN, _OFF_SOFT_CELLS = 0.7, 2.2, 1.0
+_KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
+_SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
 
 
 def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -105,24 +104,30 @@ def _share_seen(x, y, z, axes, scale, depth):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _key_share(x, y, z, step, axes, scale, depth):
-    """The key light is large: the mean over nine points of its map, ``step`` mm apart, for a soft edge."""
+def _key_share(x, y, z, nx, ny, nz, facing, step, axes, scale, depth):
+    """The key light is large: the mean over nine points of its map, ``step`` mm apart, for a soft edge.
+
+    The points lie in the plane of the surface, so that a slanting surface does not shade itself.
+    """
     share = 0.0
+    steep = 1.0 / max(facing, 0.25)
     for p in range(-1, 2):
         for q in range(-1, 2):
             dx = step * (p * axes[0, 0] + q * axes[1, 0])
             dy = step * (p * axes[0, 1] + q * axes[1, 1])
             dz = step * (p * axes[0, 2] + q * axes[1, 2])
+            back = -(nx * dx + ny * dy + nz * dz) * steep
+            dx, dy, dz = dx + back * axes[2, 0], dy + back * axes[2, 1], dz + back * axes[2, 2]
             share += _share_seen(x + dx, y + dy, z + dz, axes, scale, depth)
     return share / 9.0
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def vertex_light(
-    vertices, normals, needed, scatter, spacing, axes, colours, wrap, centre, radius, key_map, soft_maps,
-    light, openness,
+    vertices, normals, needed, both_sides, place, scatter, lift, spacing, axes, colours, wrap, bounce, centre, radius,
+    key_map, soft_maps, light, openness,
 ):  # fmt: skip
-    """Light at each needed vertex.
+    """Light at each needed vertex; sheets are lit on the side that the camera at ``place`` sees.
 
     ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
     the key light, and of the dome, that reaches it.
@@ -133,9 +138,12 @@ def vertex_light(
             continue
         nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
         px, py, pz = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
-        s = scatter[v]
-        off = _OFF_HARD + s * (_OFF_SKIN - _OFF_HARD)
-        off_soft = off + _OFF_SOFT_CELLS / soft_scale * 0.5
+        if both_sides[v]:
+            ex, ey, ez = place[0] - vertices[v, 0], place[1] - vertices[v, 1], place[2] - vertices[v, 2]
+            if nx * ex + ny * ey + nz * ez < 0:
+                nx, ny, nz = -nx, -ny, -nz
+        s, off = scatter[v], lift[v]
+        off_soft = off + (_SOFT_CELLS_OFF / soft_scale if off > 0.5 else 0.0)
         red = green = blue = 0.0
         dome = dome_seen = 1e-6
         openness[v, 0] = 0.0
@@ -148,7 +156,7 @@ def vertex_light(
             if k == 0:
                 qx, qy, qz = px + off * (nx + lx), py + off * (ny + ly), pz + off * (nz + lz)
                 step = max(_KEY_EDGE_MM, 0.8 * spacing[v])  # an edge finer than the mesh would be jagged
-                seen = _key_share(qx, qy, qz, step, axes[0], key_scale, key_map)
+                seen = _key_share(qx, qy, qz, nx, ny, nz, facing, step, axes[0], key_scale, key_map)
                 openness[v, 0] = seen
             else:
                 qx, qy, qz = px + off_soft * (nx + lx), py + off_soft * (ny + ly), pz + off_soft * (nz + lz)
@@ -161,8 +169,11 @@ def vertex_light(
             red += seen * colours[k, 0] * max(facing + wr, 0.0) / (1 + wr)
             green += seen * colours[k, 1] * max(facing + wg, 0.0) / (1 + wg)
             blue += seen * colours[k, 2] * max(facing + wb, 0.0) / (1 + wb)
-        light[v, 0], light[v, 1], light[v, 2] = red, green, blue
-        openness[v, 1] = dome_seen / dome
+        # What does not see the dome sees flesh instead, and gets a little red light back from it.
+        closed = 1.0 - dome_seen / dome
+        openness[v, 1] = 1.0 - closed
+        light[v, 0], light[v, 1] = red + closed * bounce[0], green + closed * bounce[1]
+        light[v, 2] = blue + closed * bounce[2]
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)

@@ -33,6 +33,8 @@ class Lighting:
         Linear colours of the upper and lower edge of the picture.
     reach_mm, wrap : ndarray of float32, shape (3,)
         How far red, green and blue travel below skin, and how far they reach round the edge of the lit side.
+    bounce : ndarray of float32, shape (3,)
+        Light that flesh sends back into a place that sees nothing but flesh.
     exposure : float
     """
 
@@ -42,6 +44,7 @@ class Lighting:
     background: Floats
     reach_mm: Floats
     wrap: Floats
+    bounce: Floats
     exposure: float
 
     @classmethod
@@ -72,6 +75,7 @@ class Lighting:
             background=linear_from_srgb(np.array([table["background"]["top"], table["background"]["bottom"]])),
             reach_mm=np.array(table["skin"]["reach_mm"], dtype=np.float32),
             wrap=np.array(table["skin"]["wrap"], dtype=np.float32),
+            bounce=np.array(table["skin"]["bounce"], dtype=np.float32),
             exposure=float(table["exposure"]),
         )
 

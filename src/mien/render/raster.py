@@ -103,9 +103,12 @@ def pack(normals, light, openness, albedo, gloss, needed, points):
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def draw(
     points, triangles, triangle_part, start, listed, texels, texture_level, axes, focal,
-    directions, colours, sky, background, exposure, linear, srgb, noise, out,
+    directions, colours, sky, background, backdrop, exposure, linear, srgb, noise, out,
 ):  # fmt: skip
-    """Draw all bands into ``out`` (height, width, 3) uint8; ``background`` (height, 3) is linear."""
+    """Draw all bands into ``out`` (height, width, 3) uint8.
+
+    ``background`` (height, 3) is linear light, ``backdrop`` (height, 8, 3) the same as pixels.
+    """
     height, width = out.shape[:2]
     for band in prange(start.shape[0] - 1):
         top = band * BAND
@@ -134,6 +137,10 @@ def draw(
                     green += weight * pixel[1]
                     blue += weight * pixel[2]
                     solid += weight
+                if solid == 0.0:
+                    for c in range(3):
+                        out[y, x, c] = backdrop[y, x & 7, c]
+                    continue
                 dither = noise[y & 7, x & 7]
                 out[y, x, 0] = _byte(red + (1 - solid) * behind_r, srgb, dither)
                 out[y, x, 1] = _byte(green + (1 - solid) * behind_g, srgb, dither)

@@ -12,7 +12,7 @@ from mien.face.face import Face
 from mien.face.posing import PosedFace
 from mien.render import light, raster
 from mien.render.camera import Camera
-from mien.render.colour import SRGB_BYTES, linear_from_srgb
+from mien.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.render.lighting import Lighting
 from mien.render.scene import Scene
 
@@ -63,9 +63,7 @@ class Renderer:
         self._scene = Scene.of(face, self.lighting.reach_mm)
         self._light_axes = light.light_axes(self.lighting.directions)
         self._noise = _dither()
-        down = (np.arange(height, dtype=np.float32)[:, None] + 0.5) / height
-        top, bottom = self.lighting.background
-        self._background = (top + down * (bottom - top)).astype(np.float32)
+        self._background, self._backdrop = _background(self.lighting, height, self._noise)
         self._points = np.zeros((len(self._scene.uv), raster.COLUMNS), dtype=np.float32)
         self._points[:, [raster.U, raster.V]] = self._scene.uv
         self._points[:, raster.SOLID] = self._scene.solid
@@ -102,8 +100,8 @@ class Renderer:
             raster.pack(normals, lit, openness, scene.albedo, scene.gloss, needed, points)
             raster.draw(
                 points, scene.triangles, scene.triangle_part, start, listed, scene.texels, scene.texture_level, axes,
-                focal, lights.directions, lights.colours, lights.sky, self._background, lights.exposure,
-                _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
+                focal, lights.directions, lights.colours, lights.sky, self._background, self._backdrop,
+                lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
             )  # fmt: skip
         return picture
 
@@ -127,8 +125,9 @@ class Renderer:
         lit = np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
         light.vertex_light(
-            vertices, normals, needed, scene.scatter, scene.spacing, self._light_axes, lights.colours, lights.wrap,
-            scene.head_centre, scene.head_radius, key_map, soft_maps, lit, openness,
+            vertices, normals, needed, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
+            self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
+            key_map, soft_maps, lit, openness,
         )  # fmt: skip
         for _ in range(_SPREAD_STEPS):
             spread = lit.copy()
@@ -145,3 +144,15 @@ def _dither() -> NDArray[np.float32]:
     for _ in range(3):
         pattern = np.block([[4 * pattern, 4 * pattern + 2], [4 * pattern + 3, 4 * pattern + 1]])
     return ((pattern + 0.5) / 64).astype(np.float32)
+
+
+def _background(
+    lighting: Lighting, height: int, noise: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """The gradient as linear light (height, 3), and as pixels (height, 8, 3), repeating across like the pattern."""
+    down = (np.arange(height)[:, None] + 0.5) / height
+    top, bottom = lighting.background.astype(np.float64)
+    linear = (top + down * (bottom - top)).astype(np.float32)
+    steps = (np.sqrt(np.minimum(linear, 1.0)) * (SRGB_STEPS - 1) + 0.5).astype(int)
+    dither = noise[np.arange(height) & 7][:, :, None]
+    return linear, np.minimum(SRGB_BYTES[steps][:, None, :] + dither, 255).astype(np.uint8)

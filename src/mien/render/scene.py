@@ -21,6 +21,7 @@ LEVELS = 12  # of a texture, each half the size of the last
 _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
 _FADE_MM = 28.0
+_LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
 # How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
 _LIP_REDNESS, _LIP_FULL = 0.10, 0.22
 _LIP_ROUGHNESS, _LIP_SPECULAR = 0.60, 1.35
@@ -42,6 +43,10 @@ class Scene:
         Those that cast shadows: of large parts that are not sheets.
     solid : ndarray of float32, shape (vertices,)
         Opacity: 1, falling to 0 where the trunk is cut off.
+    lift : ndarray of float32, shape (vertices,)
+        How far off its surface a vertex is held against the shadow maps, mm.
+    both_sides : ndarray of bool, shape (vertices,)
+        Whether the vertex belongs to a sheet.
     spacing : ndarray of float32, shape (vertices,)
         Mean length of the edges at a vertex, mm.
     albedo : ndarray of float32, shape (vertices, 3)
@@ -69,6 +74,8 @@ class Scene:
     sheet: NDArray[np.bool_]
     casters: Indices
     solid: Floats
+    lift: Floats
+    both_sides: NDArray[np.bool_]
     spacing: Floats
     albedo: Floats
     gloss: Floats
@@ -95,12 +102,15 @@ class Scene:
         texels, levels = _textures(parts)
         centre, radius = _head_ball(parts)
         sheet = np.array([_open_edges(part)[1] > _SHEET_SHARE for part in parts])
+        casts = _casts(parts) & ~sheet
         return cls(
             starts=tuple(starts),
             triangles=np.ascontiguousarray(triangles, dtype=np.int32),
             triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
             sheet=sheet,
-            casters=_casters(parts, starts, sheet),
+            casters=_triangles_of(parts, starts, casts),
+            lift=np.concatenate([_lift(part, own) for part, own in zip(parts, casts, strict=True)]),
+            both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
             solid=np.concatenate([_solid(part) for part in parts]),
             spacing=np.concatenate([_spacing(part) for part in parts]),
             albedo=np.concatenate(
@@ -126,12 +136,22 @@ def _open_edges(part: Part) -> tuple[Indices, float]:
     return edges[count == 1], float((count == 1).mean())
 
 
-def _casters(parts: tuple[Part, ...], starts: list[int], sheet: NDArray[np.bool_]) -> Indices:
+def _casts(parts: tuple[Part, ...]) -> NDArray[np.bool_]:
     corners = [part.vertices[part.triangles] for part in parts]
     areas = np.array([np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum() for c in corners])
-    cast = ~sheet & (areas > _CASTER_SHARE * areas.sum())
-    chosen = [part.triangles + start for part, start, casts in zip(parts, starts, cast, strict=False) if casts]
-    return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *chosen]), dtype=np.int32)
+    return np.asarray(areas > _CASTER_SHARE * areas.sum())
+
+
+def _triangles_of(parts: tuple[Part, ...], starts: list[int], chosen: NDArray[np.bool_]) -> Indices:
+    pieces = [part.triangles + start for part, start, take in zip(parts, starts, chosen, strict=False) if take]
+    return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *pieces]), dtype=np.int32)
+
+
+def _lift(part: Part, casts: np.bool_) -> Floats:
+    """A surface that casts must not shade itself, and light gets round the edges of skin; others can lie close."""
+    scatter = part.material.scatter
+    lift = _LIFT_HARD + scatter * (_LIFT_SKIN - _LIFT_HARD) if casts else _LIFT_OTHERS
+    return np.full(len(part.vertices), lift, dtype=np.float32)
 
 
 def _solid(part: Part) -> Floats:
@@ -159,11 +179,24 @@ def _gloss(part: Part) -> Floats:
     gloss = np.empty((len(part.vertices), 2), dtype=np.float32)
     wet = np.zeros(len(part.vertices))
     if material.scatter > 0:
-        red = 1 - part.colours[:, 1] / np.maximum(part.colours[:, 0], 1e-3)
+        tint = part.colours * _texture_at_vertices(part)
+        red = 1 - tint[:, 1] / np.maximum(tint[:, 0], 1e-3)
         wet = np.clip((red - np.median(red) - _LIP_REDNESS) / (_LIP_FULL - _LIP_REDNESS), 0, 1)
     gloss[:, 0] = np.clip(material.roughness * (1 - wet * (1 - _LIP_ROUGHNESS)), 0.08, 1) ** 2
     gloss[:, 1] = 0.08 * material.specular * (1 + wet * (_LIP_SPECULAR - 1))
     return gloss
+
+
+def _texture_at_vertices(part: Part) -> Floats:
+    """The texture's colour around each vertex, sRGB 0..1, shape (n, 3); ones without a texture."""
+    picture = part.material.texture
+    if picture is None:
+        return np.ones_like(part.colours)
+    for _ in range(3):  # a vertex stands for an area, not for one freckle
+        picture = _halved(picture)
+    last = np.array([picture.shape[1] - 1, picture.shape[0] - 1])
+    place = np.clip(np.floor(part.uv * (last + 1)).astype(int), 0, last)
+    return np.asarray(picture[place[:, 1], place[:, 0]] / 255, dtype=np.float32)
 
 
 def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], Indices]:
