@@ -21,6 +21,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -100,7 +101,7 @@ class Corpus:
                 rate = FrameRate(Fraction(*(int(n) for n in file["rate"])))
                 markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
                 head = np.array(file["head"]) if "head" in file else None
-        except (OSError, ValueError, KeyError) as problem:
+        except (OSError, ValueError, KeyError, BadZipFile) as problem:
             raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
         tiers = {tier.name: tier for tier in read_textgrid(self.folder / "textgrid" / f"{name}.TextGrid")}
         return Take(
