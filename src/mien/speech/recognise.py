@@ -1,0 +1,149 @@
+"""Speech without a text: phones good enough to animate, and when they are said.
+
+Where the wheel of `hama` runs (Linux, macOS) its phoneme recogniser says what is spoken; elsewhere pocketsphinx
+recognises words with its own language model. Either way the result is then aligned like a given text. On hand-made
+labels the first is the better one: see docs/tables/alignment.md.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from importlib.util import find_spec
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.audio import Audio
+from mien.errors import AlignmentError, InputError, MissingPartError, Note
+from mien.speech.align import align_pieces, name_words, tiers
+from mien.speech.decoder import RATE, DecoderError, Piece, decode, pcm16, transcribe
+from mien.speech.pronunciation import Pronunciation, dictionary_entries, pronunciations
+from mien.speech.utterance import PAUSE, Utterance
+from mien.timeline import Interval, Tier
+
+__all__ = ["recognise", "recogniser_at_hand"]
+
+Recogniser = Literal["hama", "pocketsphinx"]
+Heard = list[list[tuple[str, tuple[Pronunciation, ...]]]]
+
+_LONGEST_PIECE, _SHORTEST_PIECE = 15.0, 7.0
+_APPROXIMATE = "no text was given: words and phones were recognised from the sound and are approximate; give the text"
+
+
+def recogniser_at_hand() -> Recogniser:
+    """The better of the recognisers that are installed here."""
+    return "hama" if find_spec("hama") is not None else "pocketsphinx"
+
+
+def recognise(audio: Audio, *, language: str = "en-US", recogniser: Recogniser | None = None) -> Utterance:
+    """Find which phones are said in a sound, and when, without its text.
+
+    Parameters
+    ----------
+    audio : Audio
+        Any rate and length.
+    language : str
+        BCP 47 tag; English only.
+    recogniser : {"hama", "pocketsphinx"}, optional
+        By default the better one that is installed.
+
+    Returns
+    -------
+    Utterance
+        ``timing`` is ``"recognised"``, with a note that it is approximate. A word that the dictionary does not hold
+        is labelled with its phones, such as ``"ih-v-ah-n"``. ``timing`` is ``"none"`` if no speech was found.
+
+    Raises
+    ------
+    InputError
+        If the language is not English or the recogniser is unknown.
+    MissingPartError
+        If the recogniser asked for is not installed.
+    AlignmentError
+        If the recogniser or the aligner failed.
+    """
+    if language.lower().partition("-")[0] != "en":
+        raise InputError(f"recognition knows English (en-US, en-GB...), not {language!r}")
+    recogniser = recogniser or recogniser_at_hand()
+    if recogniser not in ("hama", "pocketsphinx"):
+        raise InputError(f"a recogniser is 'hama' or 'pocketsphinx', not {recogniser!r}")
+    if recogniser == "hama" and find_spec("hama") is None:
+        raise MissingPartError("the recogniser hama is not installed: pip install hama==1.7.0 (Linux and macOS)")
+    if audio.is_silent():
+        return _nothing(audio, language)
+    samples = pcm16(audio)
+    pieces = _quiet_cuts(samples)
+    try:
+        heard = _hear_hama(samples, pieces) if recogniser == "hama" else _hear_pocketsphinx(samples, pieces)
+    except DecoderError as failure:
+        raise AlignmentError(f"the recogniser {recogniser} failed: {failure}; give the text of the sound") from failure
+    words = [word for piece in heard for word in piece]
+    if not words:
+        return _nothing(audio, language)
+    names = iter(name_words([choices for _, choices in words]))
+    named = [Piece(p.first, p.last, tuple(next(names) for _ in said)) for p, said in zip(pieces, heard, strict=True)]
+    table = {n: w[1] for p, said in zip(named, heard, strict=True) for n, w in zip(p.words, said, strict=True)}
+    labels = [label for label, _ in words]
+    word_tier, phone_tier = tiers(align_pieces(samples, named, table, audio.duration), labels, audio.duration)
+    note = Note("note", f"{_APPROXIMATE} for a better mouth")
+    return Utterance(" ".join(labels), audio, word_tier, phone_tier, language, "recognised", (note,))
+
+
+def _nothing(audio: Audio, language: str) -> Utterance:
+    pause = Tier("phones", (Interval(0.0, audio.duration, PAUSE),))
+    warning = Note("warning", "no speech was found in the sound: the mouth will rest")
+    return Utterance("", audio, Tier("words", ()), pause, language, "none", (warning,))
+
+
+def _quiet_cuts(samples: NDArray[np.int16]) -> list[Piece]:
+    """Pieces of 7 to 15 s, cut in the middle of the quietest 0.2 s."""
+    window = RATE // 5
+    power = np.concatenate([[0.0], np.cumsum(samples.astype(np.float64) ** 2)])
+    cuts = [0]
+    while len(samples) - cuts[-1] > _LONGEST_PIECE * RATE:
+        starts = np.arange(cuts[-1] + int(_SHORTEST_PIECE * RATE), cuts[-1] + int(_LONGEST_PIECE * RATE), RATE // 100)
+        starts = starts[starts + window < len(samples)]
+        cuts.append(int(starts[np.argmin(power[starts + window] - power[starts])]) + window // 2)
+    cuts.append(len(samples))
+    return [Piece(first, last) for first, last in pairwise(cuts)]
+
+
+def _hear_hama(samples: NDArray[np.int16], pieces: list[Piece]) -> Heard:
+    table = _ipa_table()
+    heard: Heard = []
+    for words in transcribe(samples, pieces):
+        phones = [tuple(phone for sign in word for phone in table.get(sign, ())) for word in words]
+        heard.append([(_spelling(word), (word,)) for word in phones if word])
+    return heard
+
+
+def _hear_pocketsphinx(samples: NDArray[np.int16], pieces: list[Piece]) -> Heard:
+    heard: Heard = []
+    for words in decode("recognise", samples, pieces, {}):
+        spoken = [word.name for word in words or () if not word.filler]
+        heard.append([(name, pronunciations(name)) for name in spoken])
+    return heard
+
+
+@cache
+def _ipa_table() -> dict[str, tuple[str, ...]]:
+    text = (files("mien") / "assets" / "phones" / "ipa_to_arpabet.toml").read_text(encoding="utf-8")
+    return {sign: tuple(phones) for sign, phones in tomllib.loads(text)["phones"].items()}
+
+
+@cache
+def _spellings() -> dict[Pronunciation, str]:
+    """The shortest word of each pronunciation."""
+    found: dict[Pronunciation, str] = {}
+    for word, phones in dictionary_entries():
+        if phones not in found or len(word) < len(found[phones]):
+            found[phones] = word
+    return found
+
+
+def _spelling(phones: Pronunciation) -> str:
+    return _spellings().get(phones) or "-".join(phones).lower()
