@@ -48,7 +48,7 @@ def contact_sheet(images: Sequence[Picture], labels: Sequence[str], columns: int
     Examples
     --------
     >>> contact_sheet([np.zeros((40, 30, 3), np.uint8)] * 3, ["a", "b", "c"], columns=2).shape
-    (144, 78, 3)
+    (138, 78, 3)
     """
     if not images or len(images) != len(labels) or columns < 1:
         raise InputError(

@@ -14,12 +14,21 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-__all__ = ["KEY_CELLS", "SOFT_CELLS", "depth_maps", "light_axes", "spread_below_skin", "vertex_light"]
+__all__ = [
+    "KEY_CELLS",
+    "KEY_EDGE_MM",
+    "SOFT_CELLS",
+    "SOFT_CELLS_OFF",
+    "depth_maps",
+    "light_axes",
+    "spread_below_skin",
+    "vertex_light",
+]
 
 KEY_CELLS, SOFT_CELLS = 768, 160
 _NOTHING = np.float32(-1e9)
-_KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
-_SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
+KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
+SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
 
 
 def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -143,7 +152,7 @@ def vertex_light(
             if nx * ex + ny * ey + nz * ez < 0:
                 nx, ny, nz = -nx, -ny, -nz
         s, off = scatter[v], lift[v]
-        off_soft = off + (_SOFT_CELLS_OFF / soft_scale if off > 0.5 else 0.0)
+        off_soft = off + (SOFT_CELLS_OFF / soft_scale if off > 0.5 else 0.0)
         red = green = blue = 0.0
         dome = dome_seen = 1e-6
         openness[v, 0] = 0.0
@@ -155,7 +164,7 @@ def vertex_light(
             # Off the surface and a little towards the light, so that a surface does not shade itself.
             if k == 0:
                 qx, qy, qz = px + off * (nx + lx), py + off * (ny + ly), pz + off * (nz + lz)
-                step = max(_KEY_EDGE_MM, 0.8 * spacing[v])  # an edge finer than the mesh would be jagged
+                step = max(KEY_EDGE_MM, 0.8 * spacing[v])  # an edge finer than the mesh would be jagged
                 seen = _key_share(qx, qy, qz, nx, ny, nz, facing, step, axes[0], key_scale, key_map)
                 openness[v, 0] = seen
             else:

@@ -54,7 +54,7 @@ class Lighting:
         Examples
         --------
         >>> Lighting.portrait().directions.shape
-        (13, 3)
+        (11, 3)
         """
         text = resources.files("mien").joinpath("assets/render/portrait.toml").read_text("utf-8")
         return cls._from_table(tomllib.loads(text))

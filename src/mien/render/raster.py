@@ -21,7 +21,19 @@ from numba import njit, prange
 
 from mien.render.colour import KNEE, SRGB_STEPS
 
-__all__ = ["BAND", "COLUMNS", "SAMPLES", "SOLID", "U", "V", "draw", "pack", "project", "sort_into_bands"]
+__all__ = [
+    "BAND",
+    "COLUMNS",
+    "SAME_SURFACE_MM",
+    "SAMPLES",
+    "SOLID",
+    "U",
+    "V",
+    "draw",
+    "pack",
+    "project",
+    "sort_into_bands",
+]
 
 # Columns of ``points``: place in the picture and 1/depth; normal; diffuse light sent back; GGX alpha and reflectance
 # head-on; share of the key light and of the dome that arrives; texture coordinates; opacity.
@@ -29,7 +41,7 @@ X, Y, NEAR, NX, NY, NZ, RED, GREEN, BLUE, ALPHA, HEAD_ON, KEY, DOME, U, V, SOLID
 COLUMNS = 16
 BAND = 16
 SAMPLES = np.array([[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]])
-_SAME_SURFACE_MM = 1.2
+SAME_SURFACE_MM = 1.2
 _NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
 _REACH = 0.375  # from a pixel's middle to its outermost sample, along either axis
 
@@ -199,7 +211,7 @@ def _gather(owner, nearest, triangle_part, row, x, s):
         if u < 0 or triangle_part[u] != part:
             continue
         too = nearest[row, x, other]
-        if abs(too - near) < _SAME_SURFACE_MM * too * near:  # both are 1 / depth
+        if abs(too - near) < SAME_SURFACE_MM * too * near:  # both are 1 / depth
             same += 1
             sx += SAMPLES[other, 0]
             sy += SAMPLES[other, 1]

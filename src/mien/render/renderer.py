@@ -16,12 +16,12 @@ from mien.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.render.lighting import Lighting
 from mien.render.scene import Scene
 
-__all__ = ["MAX_SIDE", "Picture", "Renderer"]
+__all__ = ["MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer"]
 
 Picture = NDArray[np.uint8]
 MAX_SIDE = 8192
 _LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
-_SPREAD_STEPS = 2
+SPREAD_STEPS = 2
 # The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
 _ONE_AT_A_TIME = Lock()
 
@@ -60,13 +60,13 @@ class Renderer:
         self.face, self.width, self.height = face, width, height
         self.camera = camera or Camera.portrait(face, width / height)
         self.lighting = lighting or Lighting.portrait()
-        self._scene = Scene.of(face, self.lighting.reach_mm)
+        self.scene = Scene.of(face, self.lighting.reach_mm)
         self._light_axes = light.light_axes(self.lighting.directions)
-        self._noise = _dither()
-        self._background, self._backdrop = _background(self.lighting, height, self._noise)
-        self._points = np.zeros((len(self._scene.uv), raster.COLUMNS), dtype=np.float32)
-        self._points[:, [raster.U, raster.V]] = self._scene.uv
-        self._points[:, raster.SOLID] = self._scene.solid
+        self.noise = _dither()
+        self._background, self._backdrop = _background(self.lighting, height, self.noise)
+        self._points = np.zeros((len(self.scene.uv), raster.COLUMNS), dtype=np.float32)
+        self._points[:, [raster.U, raster.V]] = self.scene.uv
+        self._points[:, raster.SOLID] = self.scene.solid
 
     def render(self, posed: PosedFace) -> Picture:
         """Draw a posed face.
@@ -87,7 +87,7 @@ class Renderer:
             If the parts are not those of this face.
         """
         vertices, normals = self._joined(posed)
-        scene, camera, lights = self._scene, self.camera, self.lighting
+        scene, camera, lights = self.scene, self.camera, self.lighting
         axes, focal = camera.axes(), camera.focal_pixels(self.height)
         points, needed = self._points.copy(), np.empty(len(vertices), dtype=np.bool_)
         picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
@@ -101,12 +101,12 @@ class Renderer:
             raster.draw(
                 points, scene.triangles, scene.triangle_part, start, listed, scene.texels, scene.texture_level, axes,
                 focal, lights.directions, lights.colours, lights.sky, self._background, self._backdrop,
-                lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self._noise, picture,
+                lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
             )  # fmt: skip
         return picture
 
     def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        given, expected = [len(p.vertices) for p in posed.parts], np.diff(self._scene.starts).tolist()
+        given, expected = [len(p.vertices) for p in posed.parts], np.diff(self.scene.starts).tolist()
         if given != expected:
             raise InputError(f"the pose has parts of {given} vertices, face {self.face.name!r} of {expected}")
         vertices = np.concatenate([part.vertices for part in posed.parts])
@@ -116,7 +116,7 @@ class Renderer:
     def _light(
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        scene, lights = self._scene, self.lighting
+        scene, lights = self.scene, self.lighting
         key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
         soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
         light.depth_maps(
@@ -129,7 +129,7 @@ class Renderer:
             self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
             key_map, soft_maps, lit, openness,
         )  # fmt: skip
-        for _ in range(_SPREAD_STEPS):
+        for _ in range(SPREAD_STEPS):
             spread = lit.copy()
             light.spread_below_skin(
                 lit, needed, scene.welded, scene.neighbour_start, scene.neighbour, scene.neighbour_weight, spread
