@@ -1,0 +1,155 @@
+"""From the motion of places on a face to the weights of its morph targets: bounded least squares, steady in time.
+
+Each frame asks for displacements ``d`` (markers x 3, mm) of known places; at weight 1 the target ``k`` moves them by
+``B_k``. All frames are solved at once::
+
+    minimise  sum_t |B w_t - d_t|^2 + ridge |w_t|^2 + steadiness |w_t - w_(t-1)|^2     with 0 <= w <= 1
+
+(SPEC A14 asks for weights in [0, 1].) The problem is convex; it is solved by projected gradients with Nesterov's
+momentum and restarts (O'Donoghue & Candes 2015), which factorises nothing and gives the same bits each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mien.errors import InputError
+from mien.face.face import Face
+
+__all__ = ["Retargeted", "Retargeter"]
+
+Floats = NDArray[np.float64]
+Site = tuple[str, int]
+
+ITERATIONS = 2000
+STILL = 1e-6  # largest change of a weight in a step at which the solution counts as reached
+
+
+@dataclass(frozen=True)
+class Retargeted:
+    """Weights, and how well they do what was asked.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (frames, channels)
+        0..1.
+    residual : ndarray, shape (frames,)
+        Root mean square distance over the markers between asked and reached, mm.
+    """
+
+    weights: Floats
+    residual: Floats
+
+
+class Retargeter:
+    """Finds the weights of a face's morph targets that move given places as asked.
+
+    Parameters
+    ----------
+    face : Face
+    sites : sequence of (part name, vertex index)
+        Where each marker sits on the face.
+    channels : sequence of str
+        Morph targets that may be used.
+    ridge, steadiness : float
+        Share of the mean squared length of a target (over all markers) with which large weights, and changes from frame
+        to frame at 30 frames per second, are held back.
+
+    Raises
+    ------
+    InputError
+        If a site is not on the face, or a channel moves none of the sites.
+    """
+
+    def __init__(
+        self,
+        face: Face,
+        sites: Sequence[Site],
+        channels: Sequence[str],
+        ridge: float = 2e-3,
+        steadiness: float = 2e-3,
+    ) -> None:
+        self.channels = tuple(channels)
+        self.sites = tuple(sites)
+        self.ridge, self.steadiness = ridge, steadiness
+        self.basis = basis_at(face, self.sites, self.channels)
+        still = [n for n, column in zip(self.channels, self.basis, strict=True) if not column.any()]
+        if still:
+            raise InputError(f"face {face.name!r}: {', '.join(still)} move none of the {len(self.sites)} marker sites")
+
+    def solve(self, displacements: ArrayLike, fps: float = 30.0) -> Retargeted:
+        """Weights for every frame.
+
+        Parameters
+        ----------
+        displacements : array_like, shape (frames, markers, 3)
+            Millimetres from the rest position, in the face's axes.
+        fps : float
+            Frames per second: the same motion at twice the rate is held back as much per second.
+
+        Raises
+        ------
+        InputError
+            If the shape does not fit, or a number is not finite.
+        """
+        asked = np.asarray(displacements, dtype=np.float64)
+        if asked.ndim != 3 or asked.shape[1:] != (len(self.sites), 3):
+            raise InputError(
+                f"displacements: expected (frames, {len(self.sites)} markers, 3 coordinates), got {asked.shape}"
+            )
+        if not np.isfinite(asked).all():
+            frame, marker = np.argwhere(~np.isfinite(asked))[0][:2]
+            raise InputError(f"displacements: frame {frame}, marker {marker} is not a finite number; fill gaps first")
+        flat = self.basis.reshape(len(self.channels), -1)
+        scale = float((flat**2).sum(axis=1).mean())
+        steady = self.steadiness * scale * (fps / 30.0) ** 2
+        weights = _solve(flat, asked.reshape(len(asked), -1), self.ridge * scale, steady)
+        missed = (weights @ flat - asked.reshape(len(asked), -1)).reshape(asked.shape)
+        return Retargeted(weights, np.sqrt((missed**2).sum(axis=2).mean(axis=1)))
+
+
+def basis_at(face: Face, sites: Sequence[Site], channels: Sequence[str]) -> Floats:
+    """How far each channel moves each site at weight 1, shape (channels, markers, 3), mm."""
+    parts = {part.name: part for part in face.parts}
+    basis = np.zeros((len(channels), len(sites), 3))
+    for name, vertex in sites:
+        if name not in parts or not 0 <= vertex < len(parts[name].vertices):
+            raise InputError(f"face {face.name!r} has no vertex {vertex} in a part {name!r}")
+    for part_name in {name for name, _ in sites}:
+        columns = np.array([c for c, (name, _) in enumerate(sites) if name == part_name])
+        vertices = np.array([sites[c][1] for c in columns])
+        for row, channel in enumerate(channels):
+            target = parts[part_name].targets.get(channel)
+            if target is not None:
+                dense = np.zeros((len(parts[part_name].vertices), 3))
+                dense[target.vertices] = target.offsets
+                basis[row, columns] = dense[vertices]
+    return basis
+
+
+def _solve(basis: Floats, asked: Floats, ridge: float, steady: float) -> Floats:
+    """Bounded least squares over all frames; ``basis`` (channels, 3 markers), ``asked`` (frames, 3 markers)."""
+    gram = basis @ basis.T + ridge * np.eye(len(basis))
+    goal = asked @ basis.T
+    step = 1.0 / (np.linalg.eigvalsh(gram)[-1] + 4 * steady)
+    weights = np.zeros_like(goal)
+    ahead, momentum = weights, 1.0
+    for _ in range(ITERATIONS):
+        slope = ahead @ gram - goal
+        change = np.diff(ahead, axis=0) * steady
+        slope[:-1] -= change
+        slope[1:] += change
+        new = np.clip(ahead - step * slope, 0.0, 1.0)
+        moved = new - weights
+        if ((ahead - new) * moved).sum() > 0:  # the momentum points uphill: start it anew
+            momentum = 1.0
+        next_momentum = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
+        ahead = new + (momentum - 1) / next_momentum * moved
+        weights, momentum = new, next_momentum
+        if np.abs(moved).max(initial=0.0) < STILL:
+            break
+    return weights
