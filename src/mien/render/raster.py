@@ -122,6 +122,7 @@ def draw(
     ``background`` (height, 3) is linear light, ``backdrop`` (height, 8, 3) the same as pixels.
     """
     height, width = out.shape[:2]
+    per_pixel = 1.0 / focal
     for band in prange(start.shape[0] - 1):
         top = band * BAND
         rows = min(BAND, height - top)
@@ -142,7 +143,7 @@ def draw(
                     same, sx, sy = _gather(owner, nearest, triangle_part, row, x, s)
                     _shade(
                         t, x + sx, y + sy, 0.5 * width, 0.5 * height, points, triangles, triangle_part, texels,
-                        texture_level, axes, focal, directions, colours, sky, exposure, linear, pixel,
+                        texture_level, axes, per_pixel, directions, colours, sky, exposure, linear, pixel,
                     )  # fmt: skip
                     weight = 0.25 * same * pixel[3]
                     red += weight * pixel[0]
@@ -226,8 +227,8 @@ def _mix(points, a, b, c, wa, wb, wc, column):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _shade(
-    t, px, py, middle_x, middle_y, points, triangles, triangle_part, texels, texture_level, axes, focal,
-    directions, colours, sky, exposure, linear, pixel,
+    t, px, py, middle_x, middle_y, points, triangles, triangle_part, texels, texture_level, axes,
+    per_pixel, directions, colours, sky, exposure, linear, pixel,
 ):  # fmt: skip
     """Fill ``pixel`` with red, green, blue (linear, after the tone curve) and opacity of a triangle at one point."""
     a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -235,9 +236,10 @@ def _shade(
     cx, cy = float(points[c, X]), float(points[c, Y])
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     # Shares of the corners; the point may lie a little outside, so they are kept at 0 or more.
-    wa = max(0.0, ((bx - px) * (cy - py) - (by - py) * (cx - px)) / area) * points[a, NEAR]
-    wb = max(0.0, ((cx - px) * (ay - py) - (cy - py) * (ax - px)) / area) * points[b, NEAR]
-    wc = max(0.0, ((ax - px) * (by - py) - (ay - py) * (bx - px)) / area) * points[c, NEAR]
+    side = 1.0 if area > 0.0 else -1.0
+    wa = max(0.0, side * ((bx - px) * (cy - py) - (by - py) * (cx - px))) * points[a, NEAR]
+    wb = max(0.0, side * ((cx - px) * (ay - py) - (cy - py) * (ax - px))) * points[b, NEAR]
+    wc = max(0.0, side * ((ax - px) * (by - py) - (ay - py) * (bx - px))) * points[c, NEAR]
     share = 1.0 / (wa + wb + wc)
     wa, wb, wc = wa * share, wb * share, wc * share
     for k in range(3):
@@ -247,7 +249,7 @@ def _shade(
     if texture_level[part, 0, 1] > 0:
         _texture(part, abs(area), points, a, b, c, wa, wb, wc, texels, texture_level, linear, pixel)
     # The way to the camera, and the normal turned to its side.
-    ex, ey = (middle_x - px) / focal, (py - middle_y) / focal
+    ex, ey = (middle_x - px) * per_pixel, (py - middle_y) * per_pixel
     vx = axes[0, 0] * ex + axes[1, 0] * ey + axes[2, 0]
     vy = axes[0, 1] * ex + axes[1, 1] * ey + axes[2, 1]
     vz = axes[0, 2] * ex + axes[1, 2] * ey + axes[2, 2]
@@ -258,9 +260,7 @@ def _shade(
         _mix(points, a, b, c, wa, wb, wc, NY),
         _mix(points, a, b, c, wa, wb, wc, NZ),
     )
-    share = 1.0 / (np.sqrt(nx * nx + ny * ny + nz * nz) + 1e-9)
-    if area > 0.0:
-        share = -share
+    share = -side / (np.sqrt(nx * nx + ny * ny + nz * nz) + 1e-9)
     nx, ny, nz = nx * share, ny * share, nz * share
     straight = nx * vx + ny * vy + nz * vz
     facing = max(straight, 0.05)
@@ -268,9 +268,8 @@ def _shade(
     dome_open = _mix(points, a, b, c, wa, wb, wc, DOME)
     seen = _mix(points, a, b, c, wa, wb, wc, KEY)
     for k in range(3):
-        shine = seen * _highlight(
-            nx, ny, nz, vx, vy, vz, facing, directions[k, 0], directions[k, 1], directions[k, 2], alpha, head_on
-        )
+        lx, ly, lz = directions[k, 0], directions[k, 1], directions[k, 2]
+        shine = seen * _highlight(nx, ny, nz, vx, vy, vz, facing, lx, ly, lz, alpha, head_on) if seen > 0.0 else 0.0
         seen = dome_open
         for ch in range(3):
             pixel[ch] += shine * colours[k, ch]
@@ -299,10 +298,10 @@ def _highlight(nx, ny, nz, vx, vy, vz, facing, lx, ly, lz, alpha, head_on):
     lit = nx * lx + ny * ly + nz * lz
     if lit <= 0.0:
         return 0.0
-    hx, hy, hz = vx + lx, vy + ly, vz + lz
-    share = 1.0 / (np.sqrt(hx * hx + hy * hy + hz * hz) + 1e-9)
-    nh = max(0.0, (nx * hx + ny * hy + nz * hz) * share)
-    vh = (vx * hx + vy * hy + vz * hz) * share
+    # The half-way vector's length is known from the angle between view and light, both of length 1.
+    half = np.sqrt(2.0 + 2.0 * (vx * lx + vy * ly + vz * lz)) + 1e-9
+    nh = max(0.0, (nx * (vx + lx) + ny * (vy + ly) + nz * (vz + lz)) / half)
+    vh = 0.5 * half
     squared = alpha * alpha
     spread = nh * nh * (squared - 1.0) + 1.0
     fresnel = head_on + (1.0 - head_on) * _fifth(1.0 - vh) * min(1.0, 12.5 * head_on)

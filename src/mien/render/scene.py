@@ -21,6 +21,7 @@ LEVELS = 12  # of a texture, each half the size of the last
 _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
 _FADE_MM = 28.0
+_TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
 # How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
 _LIP_REDNESS, _LIP_FULL = 0.10, 0.22
@@ -159,7 +160,7 @@ def _solid(part: Part) -> Floats:
     from scipy.spatial import KDTree
 
     edge = np.unique(_open_edges(part)[0])
-    edge = edge[part.head_weight[edge] < 0.5]
+    edge = edge[part.head_weight[edge] < _TRUNK]
     solid = np.ones(len(part.vertices), dtype=np.float32)
     if len(edge):
         distance, _ = KDTree(part.vertices[edge]).query(part.vertices)
