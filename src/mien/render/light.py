@@ -28,6 +28,8 @@ __all__ = [
 KEY_CELLS, SOFT_CELLS = 768, 160
 _NOTHING = np.float32(-1e9)
 KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
+DOME_REACH = -0.35  # a dome light at a lower cosine than this says nothing of how open a place is
+SLACK = 0.06  # beyond the cosine at which a light's effect ends, its share is still found, for highlights nearby
 SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
 
 
@@ -76,17 +78,28 @@ def _depth_map(vertices, triangles, axes, centre, radius, depth):
         right = min(cells - 1, int(np.floor(max(ax, bx, cx) - 0.5)))
         low = max(0, int(np.ceil(min(ay, by, cy) - 0.5)))
         high = min(cells - 1, int(np.floor(max(ay, by, cy) - 0.5)))
+        if left > right or low > high:
+            continue
+        # Shares of the corners and the nearness are planes over the map; they are stepped along each row.
+        share = 1.0 / area
+        wax, wbx, wcx = (by - cy) * share, (cy - ay) * share, (ay - by) * share
+        way, wby, wcy = (cx - bx) * share, (ax - cx) * share, (bx - ax) * share
+        x = left + 0.5
+        za, zb, zc = seen[a, 2], seen[b, 2], seen[c, 2]
+        rise = wax * za + wbx * zb + wcx * zc
         for j in range(low, high + 1):
-            py = np.float32(j + 0.5)
+            y = j + 0.5
+            wa = wax * (x - bx) + way * (y - by)
+            wb = wbx * (x - cx) + wby * (y - cy)
+            wc = wcx * (x - ax) + wcy * (y - ay)
+            near = wa * za + wb * zb + wc * zc
             for i in range(left, right + 1):
-                px = np.float32(i + 0.5)
-                wa = (bx - px) * (cy - py) - (by - py) * (cx - px)
-                wb = (cx - px) * (ay - py) - (cy - py) * (ax - px)
-                wc = (ax - px) * (by - py) - (ay - py) * (bx - px)
-                if wa >= 0.0 and wb >= 0.0 and wc >= 0.0:
-                    near = (wa * seen[a, 2] + wb * seen[b, 2] + wc * seen[c, 2]) / area
-                    if near > depth[j, i]:
-                        depth[j, i] = near
+                if wa >= 0.0 and wb >= 0.0 and wc >= 0.0 and near > depth[j, i]:
+                    depth[j, i] = near
+                wa += wax
+                wb += wbx
+                wc += wcx
+                near += rise
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -133,18 +146,17 @@ def _key_share(x, y, z, nx, ny, nz, facing, step, axes, scale, depth):
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def vertex_light(
-    vertices, normals, needed, both_sides, place, scatter, lift, spacing, axes, colours, wrap, bounce, centre, radius,
+    vertices, normals, listed, both_sides, place, scatter, lift, spacing, axes, colours, wrap, bounce, centre, radius,
     key_map, soft_maps, light, openness,
 ):  # fmt: skip
-    """Light at each needed vertex; sheets are lit on the side that the camera at ``place`` sees.
+    """Light at the listed vertices; sheets are lit on the side that the camera at ``place`` sees.
 
     ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
     the key light, and of the dome, that reaches it.
     """
     key_scale, soft_scale = 0.5 * key_map.shape[0] / radius, 0.5 * soft_maps.shape[1] / radius
-    for v in prange(vertices.shape[0]):
-        if not needed[v]:
-            continue
+    for number in prange(listed.shape[0]):
+        v = listed[number]
         nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
         px, py, pz = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
         if both_sides[v]:
@@ -159,7 +171,7 @@ def vertex_light(
         for k in range(axes.shape[0]):
             lx, ly, lz = axes[k, 2, 0], axes[k, 2, 1], axes[k, 2, 2]
             facing = nx * lx + ny * ly + nz * lz
-            if facing <= -0.35:
+            if facing <= (DOME_REACH if k >= 3 else -s * wrap[0] - SLACK):
                 continue
             # Off the surface and a little towards the light, so that a surface does not shade itself.
             if k == 0:
@@ -185,12 +197,10 @@ def vertex_light(
         light[v, 2] = blue + closed * bounce[2]
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def spread_below_skin(light, needed, welded, start, neighbour, weight, out):
+@njit(cache=True, error_model="numpy", nogil=True)
+def spread_below_skin(light, listed, needed, welded, start, neighbour, weight, out):
     """One step of light spreading to neighbouring vertices: each takes the weighted mean around it."""
-    for v in prange(light.shape[0]):
-        if not needed[v]:
-            continue
+    for v in listed:
         w = welded[v]
         red, green, blue = light[v, 0], light[v, 1], light[v, 2]
         share_red = share_green = share_blue = 1.0

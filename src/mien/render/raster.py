@@ -46,10 +46,10 @@ _NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
 _REACH = 0.375  # from a pixel's middle to its outermost sample, along either axis
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True)
 def project(vertices, place, axes, focal, width, height, points):
     """Fill X and Y in pixels, and NEAR = 1 / distance along the view (0 where too near to be drawn)."""
-    for v in prange(vertices.shape[0]):
+    for v in range(vertices.shape[0]):
         x, y, z = vertices[v, 0] - place[0], vertices[v, 1] - place[1], vertices[v, 2] - place[2]
         depth = -(axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z)
         if depth < _NEAREST_MM:
@@ -99,12 +99,10 @@ def sort_into_bands(points, triangles, triangle_part, sheet, width, height, need
     return start, listed
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def pack(normals, light, openness, albedo, gloss, needed, points):
+@njit(cache=True, error_model="numpy", nogil=True)
+def pack(normals, light, openness, albedo, gloss, listed, points):
     """Fill the columns of ``points`` that change with the pose and that `project` did not fill."""
-    for v in prange(points.shape[0]):
-        if not needed[v]:
-            continue
+    for v in listed:
         for k in range(3):
             points[v, NX + k] = normals[v, k]
             points[v, RED + k] = light[v, k] * albedo[v, k]
@@ -114,16 +112,18 @@ def pack(normals, light, openness, albedo, gloss, needed, points):
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def draw(
-    points, triangles, triangle_part, start, listed, texels, texture_level, axes, focal,
+    points, triangles, triangle_part, start, listed, order, texels, texture_level, axes, focal,
     directions, colours, sky, background, backdrop, exposure, linear, srgb, noise, out,
 ):  # fmt: skip
     """Draw all bands into ``out`` (height, width, 3) uint8.
 
-    ``background`` (height, 3) is linear light, ``backdrop`` (height, 8, 3) the same as pixels.
+    ``background`` (height, 3) is linear light, ``backdrop`` (height, 8, 3) the same as pixels;
+    ``order`` deals the bands out to the threads.
     """
     height, width = out.shape[:2]
     per_pixel = 1.0 / focal
-    for band in prange(start.shape[0] - 1):
+    for number in prange(order.shape[0]):
+        band = order[number]
         top = band * BAND
         rows = min(BAND, height - top)
         nearest = np.zeros((rows, width, 4), np.float32)
@@ -172,10 +172,12 @@ def _cover(t, points, triangles, top, rows, width, nearest, owner):
     ax, ay = float(points[a, X]), float(points[a, Y]) - top
     bx, by = float(points[b, X]), float(points[b, Y]) - top
     cx, cy = float(points[c, X]), float(points[c, Y]) - top
-    area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-    side = 1.0 if area > 0 else -1.0
     left, right = max(0, int(np.floor(min(ax, bx, cx)))), min(width - 1, int(np.floor(max(ax, bx, cx))))
     low, high = max(0, int(np.floor(min(ay, by, cy)))), min(rows - 1, int(np.floor(max(ay, by, cy))))
+    if _hidden(max(points[a, NEAR], points[b, NEAR], points[c, NEAR]), left, right, low, high, nearest):
+        return
+    area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    side = 1.0 if area > 0 else -1.0
     # Edge functions w = wx * x + wy * y + w0, all >= 0 inside; their sum is the (positive) doubled area.
     wax, way = side * (by - cy), side * (cx - bx)
     wbx, wby = side * (cy - ay), side * (ax - cx)
@@ -200,6 +202,19 @@ def _cover(t, points, triangles, top, rows, width, nearest, owner):
                     if near > nearest[j, i, s]:
                         nearest[j, i, s] = near
                         owner[j, i, s] = t
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _hidden(near, left, right, low, high, nearest):
+    """Whether a small triangle lies behind all that its pixels show already (teeth behind lips, eyes behind lids)."""
+    if (right - left) * (high - low) > 9:
+        return False
+    for j in range(low, high + 1):
+        for i in range(left, right + 1):
+            for s in range(4):
+                if nearest[j, i, s] < near:
+                    return False
+    return True
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

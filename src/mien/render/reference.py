@@ -117,12 +117,12 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
         facing = normals @ axes[2]
         off = scene.lift + (light.SOFT_CELLS_OFF * soft_cell * (scene.lift > 0.5) if number else 0)
         points = vertices - scene.head_centre + off[:, None] * (normals + axes[2])
+        reached = facing > (light.DOME_REACH if number >= 3 else -scene.scatter * lights.wrap[0] - light.SLACK)
         if number == 0:
             seen = _key_seen(renderer, points, normals, facing, axes, depth)
-            openness[:, 0] = np.where(facing > -0.35, seen, 0)
+            openness[:, 0] = np.where(reached, seen, 0)
         else:
             seen = _seen(points, axes, scene.head_radius, depth)
-        reached = facing > -0.35
         if number >= 3:
             plain = np.where(reached, np.maximum(facing + 0.3, 0), 0)
             dome += plain

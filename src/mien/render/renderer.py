@@ -64,6 +64,8 @@ class Renderer:
         self._light_axes = light.light_axes(self.lighting.directions)
         self.noise = _dither()
         self._background, self._backdrop = _background(self.lighting, height, self.noise)
+        # Threads take stretches of this list; busy and empty bands should be spread over them.
+        self._order = np.argsort(np.arange(-(-height // raster.BAND)) % 8, kind="stable")
         self._points = np.zeros((len(self.scene.uv), raster.COLUMNS), dtype=np.float32)
         self._points[:, [raster.U, raster.V]] = self.scene.uv
         self._points[:, raster.SOLID] = self.scene.solid
@@ -97,11 +99,11 @@ class Renderer:
                 points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
             )
             lit, openness = self._light(vertices, normals, needed)
-            raster.pack(normals, lit, openness, scene.albedo, scene.gloss, needed, points)
+            raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
             raster.draw(
-                points, scene.triangles, scene.triangle_part, start, listed, scene.texels, scene.texture_level, axes,
-                focal, lights.directions, lights.colours, lights.sky, self._background, self._backdrop,
-                lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
+                points, scene.triangles, scene.triangle_part, start, listed, self._order, scene.texels,
+                scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky, self._background,
+                self._backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
             )  # fmt: skip
         return picture
 
@@ -122,18 +124,17 @@ class Renderer:
         light.depth_maps(
             vertices, scene.casters, self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps
         )  # fmt: skip
-        lit = np.zeros_like(vertices)
+        listed, lit = np.flatnonzero(needed), np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
         light.vertex_light(
-            vertices, normals, needed, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
+            vertices, normals, listed, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
             self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
             key_map, soft_maps, lit, openness,
         )  # fmt: skip
         for _ in range(SPREAD_STEPS):
             spread = lit.copy()
-            light.spread_below_skin(
-                lit, needed, scene.welded, scene.neighbour_start, scene.neighbour, scene.neighbour_weight, spread
-            )
+            around = scene.neighbour_start, scene.neighbour, scene.neighbour_weight
+            light.spread_below_skin(lit, listed, needed, scene.welded, *around, spread)
             lit = spread
         return lit, openness
 
