@@ -272,8 +272,11 @@ def welded_vertices(part: Part) -> Indices:
         target = part.targets[name]
         np.add.at(mixture, target.vertices, (1.0 + 0.6180339887 * number) * target.offsets.astype(np.float64))
     key = np.round(np.hstack([part.vertices, mixture]) / _WELD_MM).astype(np.int64)
-    _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    return np.asarray(first[group.reshape(-1)], dtype=np.int32)
+    order = np.lexsort(key.T)  # stable: of equal vertices the first comes first
+    starts = np.concatenate([[True], (key[order[1:]] != key[order[:-1]]).any(axis=1)])[: len(order)]
+    welded = np.empty(len(order), dtype=np.int32)
+    welded[order] = order[starts][np.cumsum(starts) - 1]
+    return welded
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

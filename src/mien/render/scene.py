@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,11 +99,13 @@ class Scene:
         starts = [0, *np.cumsum([len(part.vertices) for part in parts]).tolist()]
         triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)])
         vertices = np.concatenate([part.vertices for part in parts])
-        welded = np.concatenate([welded_vertices(part) + start for part, start in zip(parts, starts, strict=False)])
+        own = [welded_vertices(part) for part in parts]
+        welded = np.concatenate([each + start for each, start in zip(own, starts, strict=False)])
+        rims = [_open_edges(part, each) for part, each in zip(parts, own, strict=True)]
         scatter = np.concatenate([np.full(len(part.vertices), part.material.scatter, np.float32) for part in parts])
         texels, levels = _textures(parts)
         centre, radius = _head_ball(parts)
-        sheet = np.array([_open_edges(part)[1] > _SHEET_SHARE for part in parts])
+        sheet = np.array([share > _SHEET_SHARE for _, share in rims])
         casts = _casts(parts) & ~sheet
         return cls(
             starts=tuple(starts),
@@ -110,9 +113,9 @@ class Scene:
             triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
             sheet=sheet,
             casters=_triangles_of(parts, starts, casts),
-            lift=np.concatenate([_lift(part, own) for part, own in zip(parts, casts, strict=True)]),
+            lift=np.concatenate([_lift(part, casting) for part, casting in zip(parts, casts, strict=True)]),
             both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
-            solid=np.concatenate([_solid(part) for part in parts]),
+            solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
             spacing=np.concatenate([_spacing(part) for part in parts]),
             albedo=np.concatenate(
                 [linear_from_srgb(p.colours) * linear_from_srgb(p.material.colour) for p in parts]
@@ -129,12 +132,14 @@ class Scene:
         )
 
 
-def _open_edges(part: Part) -> tuple[Indices, float]:
-    """Edges with a triangle on one side only, as pairs of vertices, and their share of all edges."""
-    welded = welded_vertices(part)[part.triangles]
-    edges = np.sort(np.concatenate([welded[:, [0, 1]], welded[:, [1, 2]], welded[:, [2, 0]]]), axis=1)
-    edges, count = np.unique(edges, axis=0, return_counts=True)
-    return edges[count == 1], float((count == 1).mean())
+def _open_edges(part: Part, welded: Indices) -> tuple[Indices, float]:
+    """Vertices on edges with a triangle on one side only, and the share of such edges among all."""
+    corner = welded[part.triangles].astype(np.int64)
+    edges = np.sort(np.concatenate([corner[:, [0, 1]], corner[:, [1, 2]], corner[:, [2, 0]]]), axis=1)
+    count = len(part.vertices)
+    numbers, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
+    rim = numbers[times == 1]
+    return np.unique(np.concatenate([rim // count, rim % count])).astype(np.int32), float((times == 1).mean())
 
 
 def _casts(parts: tuple[Part, ...]) -> NDArray[np.bool_]:
@@ -155,17 +160,13 @@ def _lift(part: Part, casts: np.bool_) -> Floats:
     return np.full(len(part.vertices), lift, dtype=np.float32)
 
 
-def _solid(part: Part) -> Floats:
+def _solid(part: Part, rim: Indices) -> Floats:
     """Fades the trunk out towards the edge where it is cut off, so that a bust does not end in a rim."""
-    from scipy.spatial import KDTree
-
-    edge = np.unique(_open_edges(part)[0])
-    edge = edge[part.head_weight[edge] < _TRUNK]
-    solid = np.ones(len(part.vertices), dtype=np.float32)
-    if len(edge):
-        distance, _ = KDTree(part.vertices[edge]).query(part.vertices)
-        solid[:] = np.clip(distance / _FADE_MM, 0, 1)
-    return solid
+    edge = rim[part.head_weight[rim] < _TRUNK]
+    squared = np.full(len(part.vertices), np.inf, dtype=np.float32)
+    for point in part.vertices[edge]:
+        squared = np.minimum(squared, ((part.vertices - point) ** 2).sum(axis=1))
+    return np.clip(np.sqrt(squared) / _FADE_MM, 0, 1).astype(np.float32)
 
 
 def _spacing(part: Part) -> Floats:
@@ -220,16 +221,21 @@ def _halved(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Half the size, by means of 2 x 2 (a side of odd length loses its last row; a side of one stays)."""
     height, width = (max(1, side // 2) for side in picture.shape[:2])
     tall, wide = min(2, picture.shape[0]), min(2, picture.shape[1])
-    blocks = picture[: height * tall, : width * wide].reshape(height, tall, width, wide, 3)
-    return np.asarray(np.round(blocks.mean(axis=(1, 3))), dtype=np.uint8)
+    total = sum(
+        picture[i : height * tall : tall, k : width * wide : wide].astype(np.uint16)
+        for i in range(tall)
+        for k in range(wide)
+    )
+    return np.asarray((total + tall * wide // 2) // (tall * wide), dtype=np.uint8)
 
 
 def _neighbours(
     triangles: Indices, vertices: Floats, welded: Indices, scatter: Floats, reach_mm: Floats
-) -> dict[str, NDArray]:  # type: ignore[type-arg]
+) -> dict[str, NDArray[Any]]:
     corner = welded[triangles]
     pairs = np.concatenate([corner[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))])
-    pairs = np.unique(pairs[(scatter[pairs[:, 0]] > 0) & (pairs[:, 0] != pairs[:, 1])], axis=0)
+    pairs = pairs[(scatter[pairs[:, 0]] > 0) & (pairs[:, 0] != pairs[:, 1])].astype(np.int64)
+    pairs = np.stack(np.divmod(np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1]), len(vertices)), axis=1)
     length = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)[:, None]
     reach = np.maximum(reach_mm * scatter[pairs[:, 0]][:, None], 1e-3)
     count = np.bincount(pairs[:, 0], minlength=len(vertices))
