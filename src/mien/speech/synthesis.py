@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from mien.audio import Audio
 from mien.errors import AlignmentError, Note
-from mien.speech.align import align_words, tiers
-from mien.speech.pronunciation import pronounce, pronunciations
+from mien.speech.align import AlignedPhone, align_words, tiers
+from mien.speech.pronunciation import Pronunciation, pronounce, pronunciations
 from mien.speech.text import SpokenText, spoken_words
-from mien.speech.utterance import Utterance
+from mien.speech.utterance import PAUSE, Utterance
 from mien.speech.voices import Speech, Voice, get_voice
+from mien.speech.voices.voice import Break
 
 __all__ = ["synthesise"]
+
+_STRETCH = 15.0
 
 
 def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
@@ -53,7 +61,7 @@ def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
     words = [word.text for word in spoken.words]
     choices = [pronunciations(word) if voice.own_pronunciation else (pronounce(word),) for word in words]
     try:
-        phones = align_words(speech.audio, words, choices)
+        phones = _align_by_sentence(speech, words, choices)
     except AlignmentError as problem:
         if speech.phones is None:
             raise
@@ -61,6 +69,35 @@ def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
         return _as_spoken(spoken, voice, speech).with_notes(reason)
     word_tier, phone_tier = tiers(phones, words, speech.audio.duration)
     return Utterance(spoken.written, speech.audio, word_tier, phone_tier, voice.language, "aligned")
+
+
+def _align_by_sentence(
+    speech: Speech, words: Sequence[str], choices: Sequence[Sequence[Pronunciation]]
+) -> list[AlignedPhone]:
+    """Align stretches of whole sentences one by one: where they part is known, so nothing can slip across."""
+    audio, found = speech.audio, list[AlignedPhone]()
+    cuts = _cuts(speech, len(words))
+    for here, there in pairwise(cuts):
+        first, last = round(here.seconds * audio.rate), round(there.seconds * audio.rate)
+        stretch = Audio(audio.samples[first:last], audio.rate)
+        inside = slice(here.words, there.words)
+        for phone in align_words(stretch, words[inside], choices[inside]):
+            word = phone.word + here.words if phone.word >= 0 else -1
+            start, end = phone.start + first / audio.rate, phone.end + first / audio.rate
+            if phone.label == PAUSE and found and found[-1].label == PAUSE:
+                start = found.pop().start
+            found.append(replace(phone, start=start, end=end, word=word))
+    return found
+
+
+def _cuts(speech: Speech, words: int) -> list[Break]:
+    """The start, the breaks that part stretches of at most `_STRETCH` seconds where sentences allow it, the end."""
+    end = Break(speech.audio.duration, words)
+    cuts = [Break(0.0, 0)]
+    for this, following in pairwise((*speech.breaks, end)):
+        if following.seconds - cuts[-1].seconds > _STRETCH:
+            cuts.append(this)
+    return [*cuts, end]
 
 
 def _as_spoken(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:

@@ -76,7 +76,7 @@ class Espeak(Voice):
             for sentence, part, chunk in zip(sentences, answer["sentences"], chunks, strict=True)
         ]
         if not all(piece.phones for piece in pieces):
-            pieces = [Piece(piece.samples, (), (), piece.mark) for piece in pieces]
+            pieces = [Piece(piece.samples, (), (), piece.sentence) for piece in pieces]
         return join_pieces(pieces, answer["rate"])
 
 
@@ -87,7 +87,7 @@ def _piece(
     table = _settings()["phones"]
     names = [name.lstrip(_STRESS_SIGNS) for _, name in part["phones"]]
     if any(name not in table for name in names):
-        return Piece(samples, (), (), sentence.mark)
+        return Piece(samples, (), (), sentence)
     phones: list[Interval] = []
     places = [place / rate for place, _ in part["phones"]] + [part["samples"] / rate]
     for name, (start, end) in zip(names, pairwise(places), strict=True):
@@ -98,7 +98,7 @@ def _piece(
             phones[-1] = Interval(phones[-1].start, end, phones[-1].label)
     phones = [phone for phone in phones if phone.label != PAUSE and phone.duration > 0]
     starts = {character: place / rate for place, character in part["words"]}
-    return Piece(samples, phones, words_in_time(sentence.words, _characters(sentence), starts, phones), sentence.mark)
+    return Piece(samples, phones, words_in_time(sentence.words, _characters(sentence), starts, phones), sentence)
 
 
 def _characters(sentence: Sentence) -> list[int]:

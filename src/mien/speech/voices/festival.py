@@ -64,7 +64,7 @@ class Festival(Voice):
                 raise MissingPartError(f"Festival spoke {len(told)} of {len(sentences)} sentences: reinstall it")
             sounds = [soundfile.read(wave, dtype="float64") for wave in waves]
         pieces = [
-            Piece(samples, *_times(lines, sentence), sentence.mark)
+            Piece(samples, *_times(lines, sentence), sentence)
             for (samples, _), lines, sentence in zip(sounds, told, sentences, strict=True)
         ]
         return join_pieces(pieces, sounds[0][1])

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from mien.audio import Audio
 from mien.speech.utterance import PAUSE
-from mien.speech.voices.voice import Speech
+from mien.speech.voices.sentences import Sentence
+from mien.speech.voices.voice import Break, Speech
 from mien.timeline import Interval, Tier
 
 __all__ = ["LEVEL", "Piece", "join_pieces"]
@@ -35,14 +36,14 @@ class Piece:
         Any level.
     phones, words : sequence of Interval
         Seconds from the piece's start; pauses may be left out. Empty if the engine has no times.
-    mark : str
-        The punctuation that ends the sentence; sets the pause after it.
+    sentence : Sentence
+        What is said; the mark at its end sets the pause after it.
     """
 
     samples: NDArray[np.floating]
     phones: Sequence[Interval]
     words: Sequence[Interval]
-    mark: str
+    sentence: Sentence
 
 
 def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
@@ -50,6 +51,7 @@ def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
     sound: list[NDArray[np.float64]] = [np.zeros(round(_EDGE_SECONDS * rate))]
     phones: list[Interval] = []
     words: list[Interval] = []
+    breaks: list[Break] = []
     for number, piece in enumerate(pieces):
         samples, first = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
         shift = sum(map(len, sound)) / rate - first / rate
@@ -58,11 +60,15 @@ def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
         words += _moved(piece.words, shift, low, high)
         sound.append(samples)
         last = number == len(pieces) - 1
-        sound.append(np.zeros(round((_EDGE_SECONDS if last else _PAUSE_SECONDS[piece.mark]) * rate)))
+        pause = _EDGE_SECONDS if last else _PAUSE_SECONDS[piece.sentence.mark]
+        sound.append(np.zeros(round(pause * rate)))
+        said = len(piece.sentence.words) + (breaks[-1].words if breaks else 0)
+        breaks.append(Break(high + pause / 2, said))
     audio = Audio(_levelled(np.concatenate(sound)), rate)
     if not phones:
-        return Speech(audio, None, None)
-    return Speech(audio, _with_pauses(phones, audio.duration), Tier("words", tuple(words)))
+        return Speech(audio, None, None, tuple(breaks[:-1]))
+    tiers = _with_pauses(phones, audio.duration), Tier("words", tuple(words))
+    return Speech(audio, *tiers, tuple(breaks[:-1]))
 
 
 def _trimmed(samples: NDArray[np.float64], rate: int) -> tuple[NDArray[np.float64], int]:

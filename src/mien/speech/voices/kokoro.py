@@ -87,7 +87,7 @@ class Kokoro(Voice):
         seconds = settings["samples_per_frame"] / settings["sample_rate"]
         ends = np.maximum(np.cumsum(np.ravel(frames).astype(np.float64)) - settings["frames_late"], 0.0) * seconds
         phones, words = times_of(letters, list(pairwise(ends.tolist()[:-1])), sentence)
-        return Piece(np.ravel(samples), phones, words, sentence.mark)
+        return Piece(np.ravel(samples), phones, words, sentence)
 
 
 @cache

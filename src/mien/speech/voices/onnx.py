@@ -58,6 +58,8 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     options.intra_op_num_threads = _THREADS
     options.inter_op_num_threads = 1
     options.log_severity_level = _ERRORS_ONLY
+    # Idle threads sleep: spinning ones take the processor from the rest of the work on a small machine.
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
     except (failures.InvalidProtobuf, failures.InvalidGraph, failures.Fail, failures.NotImplemented) as problem:

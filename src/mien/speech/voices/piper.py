@@ -82,7 +82,7 @@ def _speak_piece(sentence: Sentence) -> Piece:
     # Letter k is number 2 k + 2; with the pad before it, it runs from the end of number 2 k to its own end.
     edges = ends[0::2].tolist()
     phones, words = times_of(letters, list(pairwise(edges))[: len(letters)], sentence)
-    return Piece(np.ravel(samples), phones, words, sentence.mark)
+    return Piece(np.ravel(samples), phones, words, sentence)
 
 
 @cache

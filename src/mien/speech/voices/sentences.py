@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 from mien.speech.pronunciation import Pronunciation, pronounce
 from mien.speech.text import SpokenText
@@ -83,20 +84,21 @@ def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
 
 
 def shorter_than(limit: int, sentence: Sentence) -> Iterator[Sentence]:
-    """Cut a sentence into pieces of fewer than ``limit`` phones, at the last mark that fits, else between words.
+    """Cut a sentence into pieces of at most ``limit`` letters of any network, at a mark if possible.
+
+    It is cut after the last mark that fits, else between words; a piece holds at least one word. A phone takes at most
+    three letters (stress mark and two more), the mark and the space after a word two.
 
     Examples
     --------
     >>> long = Sentence(tuple(Word("no", ("N", "OW"), "," if i == 1 else "") for i in range(5)))
-    >>> [len(piece.words) for piece in shorter_than(8, long)]
+    >>> [len(piece.words) for piece in shorter_than(24, long)]
     [2, 3]
     """
     rest = sentence.words
     while rest:
-        count, phones = 0, 0
-        while count < len(rest) and (count == 0 or phones + len(rest[count].phones) < limit):
-            phones += len(rest[count].phones)
-            count += 1
+        sizes = accumulate(3 * len(word.phones) + 2 for word in rest)
+        count = max(1, sum(size <= limit for size in sizes))
         if count < len(rest):
             marked = [place for place in range(count, count // 3, -1) if rest[place - 1].mark]
             count = marked[0] if marked else count

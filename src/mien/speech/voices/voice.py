@@ -11,7 +11,7 @@ from mien.speech.text import SpokenText
 from mien.speech.voices.sentences import Sentence, sentences_of
 from mien.timeline import Tier
 
-__all__ = ["Availability", "Speech", "Voice"]
+__all__ = ["Availability", "Break", "Speech", "Voice"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,14 @@ class Availability:
 
 
 @dataclass(frozen=True)
+class Break:
+    """A pause between two sentences: its middle in seconds, and how many words were said before it."""
+
+    seconds: float
+    words: int
+
+
+@dataclass(frozen=True)
 class Speech:
     """What a voice gives back.
 
@@ -41,11 +49,14 @@ class Speech:
         ARPAbet without stress digits, pauses as ``SIL``, the whole sound without gaps; None if the engine has no times.
     words : Tier or None
         The words spoken, lower case.
+    breaks : tuple of Break
+        Where one sentence ends and the next begins, in order.
     """
 
     audio: Audio
     phones: Tier | None
     words: Tier | None
+    breaks: tuple[Break, ...] = ()
 
 
 class Voice(ABC):
