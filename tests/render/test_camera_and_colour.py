@@ -32,13 +32,14 @@ def test_the_field_is_what_is_seen_at_the_target():
 
 
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 16 / 9])
-def test_a_portrait_holds_the_head_at_every_aspect(aspect):
+@pytest.mark.parametrize("framing", ["portrait", "head_shot"])
+def test_framings_hold_the_head_at_every_aspect(aspect, framing):
     face = tiny_face()
-    camera = Camera.portrait(face, aspect)
+    camera = getattr(Camera, framing)(face, aspect)
     head = np.concatenate([part.vertices[part.head_weight > 0.5] for part in face.parts]) - camera.target
     assert (np.abs(head[:, 1]) < camera.field_mm / 2).all()
     assert (np.abs(head[:, 0]) < camera.field_mm * aspect / 2).all()
-    assert Camera.close_up(face, aspect).field_mm < camera.field_mm / 2
+    assert Camera.close_up(face, aspect).field_mm < 0.55 * camera.field_mm
 
 
 def test_impossible_cameras_and_faces_are_refused():

@@ -14,6 +14,7 @@ from mien.errors import InputError, Note, OutputError
 from mien.face.face import Face
 from mien.face.posing import Poser
 from mien.files import replace_when_complete
+from mien.render.camera import Camera
 from mien.render.renderer import Renderer
 from mien.speech.utterance import PAUSE
 
@@ -116,7 +117,8 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
     if Path(path).suffix.lower() != ".png":
         raise OutputError(f"a contact sheet is written as .png, not {Path(path).suffix!r}: {path}")
     poser = Poser(face, animation.channels.names)
-    renderer = Renderer(face, *_CELL)
+    width, height = _CELL
+    renderer = Renderer(face, width, height, Camera.head_shot(face, width / height))
     frames = key_frames(animation)
     images = [renderer.render(poser.pose(animation.channels.values[frame])) for frame, _ in frames]
     labels = [f"{label}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]

@@ -18,6 +18,7 @@ __all__ = ["Camera"]
 
 # The eyes lie about half-way up a head; so the crown's height over the eyes, times these, frames head and shoulders.
 _FIELD, _CENTRE, _WIDTH = 2.75, -0.2, 2.0
+_HEAD_FIELD, _HEAD_CENTRE, _HEAD_WIDTH = 2.25, -0.03, 2.0
 _DISTANCE_MM = 1100.0  # a portrait lens's distance
 
 
@@ -57,6 +58,13 @@ class Camera:
         crown, middle, front = _head(face)
         field = _FIELD * crown
         return cls((middle, _CENTRE * crown, front / 2), _DISTANCE_MM, max(field, _WIDTH * crown / aspect))
+
+    @classmethod
+    def head_shot(cls, face: Face, aspect: float = 1.0) -> Camera:
+        """The head alone, as large as it goes with room to turn."""
+        crown, middle, front = _head(face)
+        field = max(_HEAD_FIELD * crown, _HEAD_WIDTH * crown / aspect)
+        return cls((middle, _HEAD_CENTRE * crown, front / 2), _DISTANCE_MM, field)
 
     @classmethod
     def close_up(cls, face: Face, aspect: float = 16 / 9) -> Camera:
