@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from importlib.resources.abc import Traversable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -10,7 +12,7 @@ from mien.errors import MissingPartError
 if TYPE_CHECKING:
     import onnxruntime
 
-__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "with_output"]
+__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "read_model", "with_output"]
 
 RUNTIME_PACKAGE = "onnxruntime"
 _THREADS = 2
@@ -43,6 +45,20 @@ def _field(number: int, content: bytes) -> bytes:
     return bytes([number << 3 | 2, len(content)]) + content
 
 
+def read_model(parts: Sequence[Traversable], whose: str) -> bytes:
+    """The bytes of a model that may be cut into several files.
+
+    Raises
+    ------
+    MissingPartError
+        If a file is missing or cannot be read.
+    """
+    try:
+        return b"".join(part.read_bytes() for part in parts)
+    except OSError as problem:
+        raise MissingPartError(f"the network of the voice {whose} is not there ({problem}): reinstall it") from problem
+
+
 def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     """Open a model for running on two threads.
 
@@ -52,7 +68,6 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
         If the model's file is damaged, or onnxruntime cannot run it.
     """
     import onnxruntime
-    from onnxruntime.capi import onnxruntime_pybind11_state as failures
 
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = _THREADS
@@ -62,8 +77,14 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
-    except (failures.InvalidProtobuf, failures.InvalidGraph, failures.Fail, failures.NotImplemented) as problem:
+    except _kinds_of_failure() as problem:
         reason = str(problem).splitlines()[0][:120]
-        raise MissingPartError(
-            f"the network of the voice {whose} cannot be opened ({reason}): reinstall it"
-        ) from problem
+        raise MissingPartError(f"the network of the voice {whose} does not open ({reason}): reinstall it") from problem
+
+
+def _kinds_of_failure() -> tuple[type[Exception], ...]:
+    """What onnxruntime raises on a model that it cannot read or run."""
+    from onnxruntime.capi import onnxruntime_pybind11_state as state
+
+    names = ("Fail", "InvalidArgument", "InvalidGraph", "InvalidProtobuf", "NotImplemented", "RuntimeException")
+    return tuple(getattr(state, name) for name in names)

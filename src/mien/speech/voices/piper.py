@@ -17,7 +17,7 @@ import numpy as np
 
 from mien.speech.voices.joining import Piece, join_pieces
 from mien.speech.voices.letters import letter_table, letters_of, times_of
-from mien.speech.voices.onnx import RUNTIME_PACKAGE, have_runtime, open_network, with_output
+from mien.speech.voices.onnx import RUNTIME_PACKAGE, have_runtime, open_network, read_model, with_output
 from mien.speech.voices.sentences import Sentence, shorter_than
 from mien.speech.voices.voice import Availability, Speech, Voice
 
@@ -93,4 +93,5 @@ def _config() -> dict[str, Any]:
 
 @cache
 def _network() -> onnxruntime.InferenceSession:
-    return open_network(with_output((files(_PACKAGE) / _MODEL).read_bytes(), _DURATIONS), "piper-joe")
+    model = read_model([files(_PACKAGE) / _MODEL], "piper-joe")
+    return open_network(with_output(model, _DURATIONS), "piper-joe")
