@@ -36,6 +36,8 @@ LAG = 0.009
 LONGEST_PIECE = 20.0
 """Seconds that are aligned in one go without pruning."""
 _TARGET_PIECE = 10.0
+_MOST_WORD_SECONDS = 60_000.0
+"""Words times seconds up to which a coarse alignment may run without pruning: beyond it memory runs to gigabytes."""
 _SHORTEST_SOUND = 0.1
 
 
@@ -254,7 +256,9 @@ def _coarse(
     samples: NDArray[np.int16], whole: Piece, table: dict[str, Sequence[Pronunciation]]
 ) -> tuple[DecodedWord, ...]:
     problem = "no path through the sound"
-    attempts: tuple[dict[str, Any], ...] = (WIDE, PRUNED)
+    attempts: list[dict[str, Any]] = [WIDE]
+    if len(whole.words) * len(samples) / RATE <= _MOST_WORD_SECONDS:
+        attempts.append(BEST | {"frate": 100})
     for settings in attempts:
         try:
             answer = decode("words", samples, [whole], settings, table)[0]

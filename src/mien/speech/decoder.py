@@ -21,6 +21,7 @@ __all__ = ["RATE", "DecodedPhone", "DecodedWord", "DecoderError", "Piece", "deco
 
 RATE = 16_000
 """Samples per second that the acoustic model was made for."""
+_COMMAND = [sys.executable, "-m", "mien.speech.decoder_worker"]
 _SECONDS_TO_START = 30.0
 _SECONDS_PER_SECOND = 8.0
 _FILLERS = ("<sil>", "<s>", "</s>", "[NOISE]", "[SPEECH]", "(NULL)")
@@ -128,9 +129,8 @@ def _ask(
     }
     message = json.dumps(job).encode() + b"\n" + samples.astype("<i2").tobytes()
     limit = _SECONDS_TO_START + _SECONDS_PER_SECOND * len(samples) / RATE
-    command = [sys.executable, "-m", "mien.speech.decoder_worker"]
     try:
-        done = subprocess.run(command, input=message, capture_output=True, timeout=limit, check=False)
+        done = subprocess.run(_COMMAND, input=message, capture_output=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired as problem:
         raise DecoderError(f"it took longer than {limit:.0f} s") from problem
     if done.returncode < 0:
