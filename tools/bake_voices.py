@@ -43,21 +43,32 @@ def bake_styles(package: str) -> None:
 
 
 def bake_stress(package: str) -> None:
-    """One line a word: the word, then the stress digits of its pronunciations."""
-    patterns: dict[str, list[str]] = {}
+    """One line a word: the word, then the stress digits of its pronunciations, each with its vowels if they differ.
+
+    ``banana 010``; ``record 01/AH-AO 10/EH-ER``.
+    """
+    found: dict[str, dict[str, str]] = {}
     for line in read_member(package, "data/dict.txt").decode("latin-1").splitlines():
         if line.startswith(";;;") or not line.strip():
             continue
         word, *phones = line.split()
-        digits = "".join(phone[-1] for phone in phones if phone[-1].isdigit())
-        known = patterns.setdefault(re.sub(r"\(\d+\)$", "", word).lower(), [])
-        if len(digits) > 1 and digits not in known:
-            known.append(digits)
-    lines = [f"{word} {' '.join(found)}\n" for word, found in sorted(patterns.items()) if found]
+        vowels = [phone for phone in phones if phone[-1].isdigit()]
+        if len(vowels) > 1:
+            patterns = found.setdefault(re.sub(r"\(\d+\)$", "", word).lower(), {})
+            patterns.setdefault("-".join(vowel[:-1] for vowel in vowels), "".join(vowel[-1] for vowel in vowels))
     packed = io.BytesIO()
     with gzip.GzipFile(fileobj=packed, mode="wb", compresslevel=9, mtime=0) as handle:
-        handle.write("".join(lines).encode("utf-8"))
+        for word, patterns in sorted(found.items()):
+            handle.write(f"{word} {' '.join(_entries(patterns))}\n".encode())
     (ASSETS / "stress.txt.gz").write_bytes(packed.getvalue())
+
+
+def _entries(patterns: dict[str, str]) -> list[str]:
+    """Stress by vowels; without the vowels where the number of syllables tells enough."""
+    lengths = {len(digits) for digits in patterns.values()}
+    if len(set(patterns.values())) == len(lengths):
+        return list(dict.fromkeys(patterns.values()))
+    return [f"{digits}/{vowels}" for vowels, digits in patterns.items()]
 
 
 def main() -> None:

@@ -62,6 +62,8 @@ def test_kokoro_spelling(text: str, letters: str) -> None:
     [
         ("photograph", "F OW T AH G R AE F", "102"),
         ("photography", "F AH T AA G R AH F IY", "0100"),
+        ("record", "R AH K AO R D", "01"),
+        ("record", "R EH K ER D", "10"),
         ("the", "DH AH", "1"),
         ("shh", "SH", ""),
         # Not in the dictionary: as other words in -ation, and by place when nothing rhymes.
