@@ -1,0 +1,247 @@
+"""Training and scoring: every model on the same takes, each fold learned afresh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.corpus.corpus import Corpus
+from mien.errors import InputError, Note
+from mien.evaluate.baselines import Model
+from mien.evaluate.published import upper_face_dynamics_deviation
+from mien.evaluate.scores import Score, score
+from mien.evaluate.splits import Fold
+from mien.evaluate.takes import Recording, prepare
+from mien.evaluate.tallies import Tally, tally
+
+__all__ = ["RECORDING", "Evaluation", "Trace", "evaluate_folds", "evaluate_performer", "recordings"]
+
+RECORDING = "recording"
+"""Row in which the recording is scored against itself: the yardstick for closures and jitter."""
+TRACES = 4
+"""Takes whose trajectories are kept for a picture."""
+
+Array = NDArray[np.float64]
+Makers = Mapping[str, Callable[[], Model]]
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Mouths of one take as recorded and as each model has it, for a picture."""
+
+    recording: Recording
+    mouths: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Scores of models on held-out takes.
+
+    Attributes
+    ----------
+    scores : mapping of str to mapping of str to Score
+        By model and metric; the first model is `RECORDING`.
+    pooled : bool
+        Whether frames were pooled (unseen words) or takes averaged.
+    folds : tuple of Fold
+        Empty for a finished performer.
+    takes, frames : int
+        Takes and frames that were scored.
+    upper_face : tuple of (float, float), or None
+        Upper-face dynamics deviation, signed and absolute, of a face whose upper part does not move, mm: what every
+        model of the mouth alone gets. None where no upper-face marker was recorded.
+    traces : tuple of Trace
+    notes : tuple of Note
+    """
+
+    scores: Mapping[str, Mapping[str, Score]]
+    pooled: bool
+    folds: tuple[Fold, ...]
+    takes: int
+    frames: int
+    upper_face: tuple[float, float] | None
+    traces: tuple[Trace, ...]
+    notes: tuple[Note, ...] = ()
+
+
+def recordings(corpus: Corpus) -> tuple[dict[str, Recording], tuple[Note, ...]]:
+    """All takes of a corpus that can be scored, by name, and a note for each that cannot.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    ready: dict[str, Recording] = {}
+    faults: list[str] = []
+    for take in corpus:
+        try:
+            ready[take.name] = prepare(take)
+        except InputError as problem:
+            faults.append(str(problem))
+    if not ready:
+        reason = f"; the first says: {faults[0]}" if faults else ""
+        raise InputError(f"{corpus.folder}: none of its {len(corpus)} takes can be scored{reason}")
+    return ready, tuple(Note("warning", f"left out: {fault}") for fault in faults)
+
+
+def evaluate_folds(
+    ready: Mapping[str, Recording],
+    folds: Sequence[Fold],
+    makers: Makers,
+    *,
+    seed: int = 0,
+    notes: Sequence[Note] = (),
+    progress: Progress | None = None,
+) -> Evaluation:
+    """Learn every model afresh for each fold and score it on the fold's test.
+
+    Parameters
+    ----------
+    ready : mapping of str to Recording
+    folds : sequence of Fold
+    makers : mapping of str to callable
+        Each makes an untrained model.
+    seed : int
+        Of the bootstrap.
+    notes : sequence of Note
+        Carried over to the result.
+    progress : callable (done, total, model) or None
+
+    Raises
+    ------
+    InputError
+        If no frame is left to score.
+    """
+    tallies: dict[str, dict[str, Tally]] = {name: {} for name in (RECORDING, *makers)}
+    traces: list[Trace] = []
+    scored: set[str] = set()
+    total = len(folds) * len(makers)
+    for number, fold in enumerate(folds):
+        counted = {name: ready[name].inside(fold.words) for name in fold.test}
+        test = [name for name in fold.test if counted[name].any()]
+        mouths = {name: {RECORDING: _filled(ready[name])} for name in test}
+        for place, (model_name, make) in enumerate(makers.items()):
+            if progress:
+                progress(number * len(makers) + place, total, model_name)
+            model = make().fit([ready[name].take for name in fold.train])
+            for name in test:
+                mouths[name][model_name] = model.synthesise(ready[name].take.phones, ready[name].times)
+        for name in test:
+            for model_name, mouth in mouths[name].items():
+                _add(tallies[model_name], name, tally(ready[name], mouth, counted[name]))
+        scored.update(test)
+        if not traces:
+            traces = [Trace(ready[name], mouths[name]) for name in test[:: max(1, len(test) // TRACES)][:TRACES]]
+    return _finished(ready, tallies, traces, scored, tuple(folds), seed, tuple(notes))
+
+
+def evaluate_performer(
+    name: str,
+    model: Model,
+    trained_on: Collection[str],
+    corpus: Corpus,
+    *,
+    seed: int = 0,
+) -> Evaluation:
+    """Score a finished model on takes that it has never met.
+
+    Parameters
+    ----------
+    name : str
+        Of its row.
+    model : Model
+        Already fitted, to the mouth markers that the scoring rule names, in their order in the layout.
+    trained_on : collection of str
+        Digests (`Corpus.digest`) of the takes that it was learned from.
+    corpus : Corpus
+    seed : int
+        Of the bootstrap.
+
+    Raises
+    ------
+    InputError
+        If it was learned from a take of the corpus (told by its digest, whatever its name), or nothing can be scored.
+    """
+    met = [take for take in corpus.names if corpus.digest(take) in trained_on]
+    if met:
+        more = f" and {len(met) - 3} more" if len(met) > 3 else ""
+        raise InputError(
+            f"{name} was learned from takes of {corpus.folder}: {', '.join(met[:3])}{more}; "
+            "score it on takes that were held out of its learning"
+        )
+    ready, notes = recordings(corpus)
+    tallies: dict[str, dict[str, Tally]] = {RECORDING: {}, name: {}}
+    traces: list[Trace] = []
+    kept = sorted(ready)[:: max(1, len(ready) // TRACES)][:TRACES]
+    for take, recording in ready.items():
+        mouths = {RECORDING: _filled(recording), name: model.synthesise(recording.take.phones, recording.times)}
+        for row, mouth in mouths.items():
+            tallies[row][take] = tally(recording, mouth, recording.speech)
+        traces += [Trace(recording, mouths)] if take in kept else []
+    return _finished(ready, tallies, traces, set(ready), (), seed, notes)
+
+
+def _add(tallies: dict[str, Tally], name: str, new: Tally) -> None:
+    """A take tested in several folds (other words each time) counts once, with the frames of all."""
+    old = tallies.get(name)
+    tallies[name] = new if old is None else {family: old[family] + new[family] for family in new}
+
+
+def _finished(
+    ready: Mapping[str, Recording],
+    tallies: Mapping[str, Mapping[str, Tally]],
+    traces: Sequence[Trace],
+    scored: Collection[str],
+    folds: tuple[Fold, ...],
+    seed: int,
+    notes: tuple[Note, ...],
+) -> Evaluation:
+    rows = tallies[RECORDING]
+    if not rows:
+        raise InputError("the test set is empty: none of its takes has a frame to score; give other names or words")
+    pooled = any(fold.words for fold in folds)
+    return Evaluation(
+        scores={
+            model: score(
+                [of_model[name] for name in sorted(of_model)], pooled=pooled, random=np.random.default_rng(seed)
+            )
+            for model, of_model in tallies.items()
+        },
+        pooled=pooled,
+        folds=folds,
+        takes=len(rows),
+        frames=int(sum(t["lips"][1] for t in rows.values())),
+        upper_face=_still_upper_face([ready[name] for name in sorted(scored)]),
+        traces=tuple(traces),
+        notes=notes,
+    )
+
+
+def _filled(recording: Recording) -> Array:
+    """The recorded mouth; frames in which a marker was not seen are bridged by straight lines (they are not scored)."""
+    seen = np.asarray(np.isfinite(recording.positions).all(axis=(1, 2)))
+    if seen.all():
+        return recording.positions
+    flat = recording.positions.reshape(len(seen), -1)
+    columns = [np.interp(recording.times, recording.times[seen], column[seen]) for column in flat.T]
+    return np.stack(columns, axis=1).reshape(recording.positions.shape)
+
+
+def _still_upper_face(scored: Sequence[Recording]) -> tuple[float, float] | None:
+    """Upper-face dynamics deviation of a still face, mean over takes; rest is the mean of the scored frames."""
+    pairs = []
+    for recording in scored:
+        held = recording.speech & np.isfinite(recording.upper).all(axis=(1, 2))
+        if recording.upper.shape[1] and held.sum() > 1:
+            rest = recording.upper[held].mean(axis=0)
+            still = np.broadcast_to(rest, recording.upper[held].shape)
+            pairs.append(upper_face_dynamics_deviation(recording.upper[held], still, rest))
+    if not pairs:
+        return None
+    signed, absolute = np.mean(pairs, axis=0)
+    return float(signed), float(absolute)
