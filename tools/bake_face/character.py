@@ -11,7 +11,9 @@ _SEXES = {"female": 0.62, "male": 0.38}
 _TOUCHES: dict[str, float] = {
     "head/head-oval": 0.25,
     "mouth/mouth-scale-horiz-incr": 0.45,
-    "eyes/{side}-eye-scale-incr": 0.55,
+    "eyes/{side}-eye-scale-incr": 0.75,
+    "eyes/{side}-eye-height2-incr": 0.15,
+    "mouth/mouth-angles-up": 0.40,
     "neck/neck-scale-horiz-decr": 0.15,
 }
 

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 _CELL = 0.25  # mm
 _ROUNDS = 6
+_MOST = 8.0  # mm that one round moves an edge
 
 
 @dataclass
@@ -57,15 +58,21 @@ class Edges:
         there = np.isfinite(gap) & (x > ends[0]) & (x < ends[1])
         return x[there], gap[there]
 
-    def closing(self, vertices: Floats, wanted: float, most: float = 8.0) -> Floats:
-        """Offsets (n, 3), straight up and down, that bring the gap to ``wanted``."""
+    def closing(self, vertices: Floats, wanted: float, at_corners: float = 0.0, smooth: float = 2.0) -> Floats:
+        """Offsets (n, 3), straight up and down, that bring the gap to ``wanted``, plus ``at_corners`` by the corners.
+
+        ``smooth`` is the width in millimetres over which one round evens out along the edge.
+        """
+        side = int(smooth / _CELL)
+        kernel = np.hanning(2 * side + 1)
+        kernel /= kernel.sum()
         moved = vertices.copy()
         for _ in range(_ROUNDS):
             x, gap = self.gap(moved)
             if len(x) < 8:
                 break
-            kernel = np.hanning(9) / np.hanning(9).sum()
-            padded = np.pad(np.clip(gap - wanted, -most, most), 4, mode="edge")
+            aside = np.abs(2 * (x - x[0]) / (x[-1] - x[0]) - 1) ** 4
+            padded = np.pad(np.clip(gap - wanted - at_corners * aside, -_MOST, _MOST), side, mode="edge")
             excess = np.convolve(padded, kernel, mode="valid")
             at = np.interp(moved[:, 0], x, excess)
             beyond = np.maximum(np.maximum(x[0] - moved[:, 0], moved[:, 0] - x[-1]), 0)

@@ -7,11 +7,14 @@ from contact import Edges, edges_between
 from head import Head
 from makehuman import Floats, Ints
 
-_OVERLAP = -0.35  # mm: shut lids pass each other by this much, so that no light shows between them
+_OVERLAP = -0.9  # mm: shut lids pass each other by this much, so that no light shows between them
+_CORNER_OVERLAP = -0.9  # mm more towards the corners of the eye
 _AIR = 0.25  # mm between a lid and the eyeball
 _MARGIN_RING = 4  # the lid's edge lies this many rows of vertices outside the border of the eye's hole
 # Shapes in which something near the eye moves.
 _MOVING = ("eyeBlink", "eyeSquint", "eyeWide", "eyeLookUp", "eyeLookDown", "eyeLookIn", "eyeLookOut", "cheekSquint")
+# Lids follow the gaze farther than in MakeHuman's shapes: some of another shape is added.
+_FOLLOWING = {"eyeLookUp": ("eyeWide", 0.30), "eyeLookDown": ("eyeBlink", 0.17)}
 _STEPS = np.linspace(0.1, 1.0, 10)
 
 
@@ -52,7 +55,9 @@ def fit_lids(head: Head, eye_radius: float) -> list[Edges]:
         outside = np.flatnonzero(row >= _MARGIN_RING - 1)
         skin.vertices[outside] += _pushed_out(skin.vertices[outside], centre, eye_radius + _AIR)
         blink = "eyeBlink" + side
-        skin.shapes[blink] = skin.shapes[blink] + lids.closing(skin.posed(**{blink: 1.0}), _OVERLAP)
+        skin.shapes[blink] = skin.shapes[blink] + lids.closing(skin.posed(**{blink: 1.0}), _OVERLAP, _CORNER_OVERLAP)
+        for name, (other, share) in _FOLLOWING.items():
+            skin.shapes[name + side] = skin.shapes[name + side] + share * skin.shapes[other + side]
         for name in (kind + side for kind in _MOVING):
             skin.shapes[name][outside] += _clearance(skin.vertices, skin.shapes[name], outside, centre, eye_radius)
         edges.append(lids)

@@ -14,7 +14,7 @@ _PUPIL_SHARE = 0.36  # of the iris's radius
 _CORNEA_RISE = 0.035  # of the eyeball's radius
 _TEXTURE_POWER = 0.6  # bends the texture's radius so that the iris gets more of it
 _RINGS, _SPOKES = 44, 56
-_TURN = {"look_up": 25.0, "look_down": 28.0, "look_in": 33.0, "look_out": 33.0}  # degrees at weight 1
+_TURN = {"look_up": 18.0, "look_down": 24.0, "look_in": 28.0, "look_out": 30.0}  # degrees at weight 1
 
 
 def build_eye(name: str, centre: Floats, radius: float) -> Sculpt:

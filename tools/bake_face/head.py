@@ -13,7 +13,7 @@ from subdivision import catmull_clark, triangulate
 from uv import border_loops, unfold
 
 _MASKS = ("lips", "eyelids", "ears", "inside-mouth")
-_NECK_BONES = {"neck03": 0.7, "neck02": 0.4, "neck01": 0.12}
+_NECK_BONES = {"neck03": 0.9, "neck02": 0.6, "neck01": 0.2}
 
 
 @dataclass
@@ -23,6 +23,8 @@ class Head:
     Attributes
     ----------
     skin : Sculpt
+    quads : ndarray, shape (q, 4)
+        The skin's faces before they were cut into triangles.
     fine_of : dict of int to int
         Fine vertex of each MakeHuman vertex.
     masks : dict of str to ndarray, shape (n,)
@@ -40,6 +42,7 @@ class Head:
     """
 
     skin: Sculpt
+    quads: Ints
     fine_of: dict[int, int]
     masks: dict[str, Floats]
     eye_holes: list[Ints]
@@ -76,7 +79,7 @@ def build_head(data: MakeHuman, lowest: float) -> Head:
     quads = np.array(data.groups["body"])
     texture_faces = np.array(data.texture_faces["body"])
     socket, mouth = _islands(data, texture_faces)
-    keep = (identity[quads][:, :, 1].min(1) > lowest) & (np.abs(identity[quads][:, :, 0]).max(1) < 200) & ~socket
+    keep = (identity[quads][:, :, 1].min(1) > lowest) & (np.abs(identity[quads][:, :, 0]).max(1) < 275) & ~socket
     used, local = np.unique(quads[keep], return_inverse=True)
     local = local.reshape(-1, 4)
     coarse = identity[used]
@@ -97,6 +100,7 @@ def build_head(data: MakeHuman, lowest: float) -> Head:
     holes.sort(key=lambda loop: -skin.vertices[loop][:, 0].mean())
     return Head(
         skin,
+        fine,
         {int(v): i for i, v in enumerate(used)},
         masks,
         holes,

@@ -16,6 +16,10 @@ _CLOSED = (
 )  # fmt: skip
 
 
+# Shapes that go farther than lips do on this face.
+_TAMED = {"mouthRollUpper": 0.62, "jawForward": 0.6}
+
+
 def lip_edges(head: Head) -> Edges:
     """The two lips as edges that meet."""
     skin = head.skin
@@ -27,10 +31,12 @@ def seal_lips(head: Head) -> Edges:
     skin = head.skin
     lips = lip_edges(head)
     skin.vertices = skin.vertices + lips.closing(skin.vertices, _SEALED)
+    for name, share in _TAMED.items():
+        skin.shapes[name] = skin.shapes[name] * share
     for name in _CLOSED:
-        skin.shapes[name] = skin.shapes[name] + lips.closing(skin.posed(**{name: 1.0}), _SEALED)
+        skin.shapes[name] = skin.shapes[name] + lips.closing(skin.posed(**{name: 1.0}), _SEALED, smooth=4.0)
     together = skin.posed(jawOpen=1.0, mouthClose=1.0)
-    skin.shapes["mouthClose"] = skin.shapes["mouthClose"] + lips.closing(together, _SEALED)
+    skin.shapes["mouthClose"] = skin.shapes["mouthClose"] + lips.closing(together, -_SEALED)
     return lips
 
 

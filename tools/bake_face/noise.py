@@ -8,13 +8,18 @@ from makehuman import Floats
 _SIDE = 64
 
 
+def _turn(axes: int, seed: int) -> Floats:
+    """A random turn of the axes, so that the lattice does not show."""
+    return np.asarray(np.linalg.qr(np.random.default_rng(seed + 1000).normal(size=(axes, axes)))[0])
+
+
 def value_noise(points: Floats, scale: float, seed: int) -> Floats:
-    """Value noise in -1..1 at points (n, 2) or (n, 3); features are about ``scale`` across."""
+    """Value noise in -1..1 at points (n, 2) or (n, 3); features are about ``scale`` across in every direction."""
     lattice = np.random.default_rng(seed).uniform(-1, 1, (_SIDE,) * points.shape[1])
-    place = points / scale
+    place = points @ _turn(points.shape[1], seed) / scale
     low = np.floor(place).astype(int)
     share = place - low
-    share = share * share * (3 - 2 * share)
+    share = share**3 * (share * (6 * share - 15) + 10)
     total = np.zeros(len(points))
     for corner in np.ndindex((2,) * points.shape[1]):
         weight = np.prod(np.where(np.array(corner), share, 1 - share), axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from contact import split_loop
+from contact import Edges, split_loop
 from eyelids import lid_loops
 from head import Head
 from makehuman import Floats, Ints
@@ -15,9 +15,9 @@ def _nearest(points: Floats, wanted: Floats, among: Ints) -> int:
     return int(among[np.argmin(np.linalg.norm(points[among] - wanted, axis=1))])
 
 
-def find_sites(head: Head) -> dict[str, tuple[str, int]]:
+def find_sites(head: Head, lips: Edges) -> dict[str, tuple[str, int]]:
     """Sites by name, as (part, vertex)."""
-    found = {**_lip_sites(head), **_eye_sites(head), **_profile_sites(head)}
+    found = {**_lip_sites(head, lips), **_eye_sites(head), **_profile_sites(head)}
     return {name: ("skin", int(vertex)) for name, vertex in sorted(found.items())}
 
 
@@ -25,26 +25,30 @@ def _at_x(points: Floats, row: Ints, x: float) -> int:
     return int(row[np.argmin(np.abs(points[row][:, 0] - x))])
 
 
-def _lip_sites(head: Head) -> dict[str, int]:
+def _lip_sites(head: Head, lips: Edges) -> dict[str, int]:
+    """Corners, red borders, and the places where the lips meet: the lowest of the upper and the highest of the lower."""
     points = head.skin.vertices
-    upper, lower, (left, right) = split_loop(points, head.lip_loop)
-    sites = {
-        "lip_upper_inner": _at_x(points, upper, 0),
-        "lip_lower_inner": _at_x(points, lower, 0),
-        "lip_corner_left": left,
-        "lip_corner_right": right,
-    }
+    _, _, (left, right) = split_loop(points, head.lip_loop)
+    upper, lower = (np.unique(lips.triangles[side]) for side in (lips.upper, lips.lower))
+    upper, lower = upper[lips.upper_pull[upper] > 0.3], lower[lips.lower_pull[lower] > 0.3]
+    sites = {"lip_corner_left": left, "lip_corner_right": right}
     reach = points[left, 0]
-    for step in range(1, _PAIRS + 1):
-        x = reach * step / (_PAIRS + 1)
-        for side, sign in (("l", 1), ("r", -1)):
-            sites[f"lip_lower_inner_{side}{step}"] = below = _at_x(points, lower, sign * x)
-            sites[f"lip_upper_inner_{side}{step}"] = _at_x(points, upper, points[below, 0])
+    for step in range(_PAIRS + 1):
+        for side, sign in (("l", 1), ("r", -1)) if step else (("", 1),):
+            x = sign * reach * step / (_PAIRS + 1)
+            name = f"_{side}{step}" if step else ""
+            sites["lip_lower_inner" + name] = below = _edge_near(points, lower, x, 1.0)
+            sites["lip_upper_inner" + name] = _edge_near(points, upper, points[below, 0], -1.0)
     middle = np.flatnonzero(np.abs(points[:, 0]) < 0.05)
     red = middle[(head.masks["lips"][middle] > 0.5) & (points[middle, 2] > points[sites["lip_upper_inner"], 2])]
     sites["lip_upper_outer"] = int(red[np.argmax(points[red, 1])])
     sites["lip_lower_outer"] = int(red[np.argmin(points[red, 1])])
     return sites
+
+
+def _edge_near(points: Floats, row: Ints, x: float, up: float) -> int:
+    """The vertex at the edge of a lip near x: how far it stands out counts, less half the distance from x."""
+    return int(row[np.argmax(up * points[row][:, 1] - 0.8 * np.abs(points[row][:, 0] - x))])
 
 
 def _eye_sites(head: Head) -> dict[str, int]:

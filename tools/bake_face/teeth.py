@@ -28,7 +28,7 @@ _LOWER = (
     (9.8, 7.0, 8.0),
 )
 _AROUND, _UP = 20, 10
-_ENAMEL, _ROOT, _GUM = np.array([0.90, 0.875, 0.81]), np.array([0.86, 0.79, 0.66]), np.array([0.70, 0.36, 0.36])
+_ENAMEL, _ROOT, _GUM = np.array([0.97, 0.945, 0.89]), np.array([0.93, 0.87, 0.76]), np.array([0.70, 0.36, 0.36])
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def build_row(row: Row) -> Sculpt:
     colours.append(paint)
     vertices = np.vstack(points)
     depth = smoothstep(row.front - 42, row.front - 2, vertices[:, 2])[:, None]
-    return Sculpt(row.name, vertices, np.vstack(triangles), colours=np.vstack(colours) * (0.30 + 0.70 * depth))
+    return Sculpt(row.name, vertices, np.vstack(triangles), colours=np.vstack(colours) * (0.55 + 0.45 * depth))
 
 
 def _crown(width: float, height: float, thickness: float, place: int) -> tuple[Floats, Ints]:

@@ -1,0 +1,117 @@
+"""Draw the sheets of pictures that the documentation shows: the face at rest, and every shape it can make.
+
+::
+
+    python tools/render_sheets.py --out docs/pictures
+    python tools/render_sheets.py --out docs/pictures --only shapes
+
+A sheet is one entry of `SHEETS`; every picture in it is a `Shot`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from mien.channels import ALL, ARKIT, TONGUE
+from mien.errors import unknown_name
+from mien.face.face import Face
+from mien.face.library import load_face
+from mien.face.posing import Poser
+from mien.files import replace_when_complete
+from mien.render.camera import Camera
+from mien.render.renderer import Renderer
+
+JPEG_QUALITY = 86
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture: channel weights, and from where; ``framing`` is one of `FRAMINGS`, ``yaw`` in degrees."""
+
+    caption: str
+    weights: Mapping[str, float] = field(default_factory=dict)
+    framing: str = "portrait"
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Pictures in rows of ``columns``, each ``width`` by ``height`` pixels."""
+
+    shots: tuple[Shot, ...]
+    columns: int
+    width: int
+    height: int
+
+
+# Height of what is seen (mm) and the height of its middle over the eyes (mm).
+FRAMINGS = {"portrait": (330.0, -30.0), "face": (235.0, -18.0), "mouth": (95.0, -62.0), "eyes": (80.0, 3.0)}
+
+
+def _companions(name: str) -> dict[str, float]:
+    """What a shape is shown with, where it makes no sense alone."""
+    with_jaw = {"mouthClose": 1.0, "tongueOut": 0.3, "tongueTipUp": 0.3, "tongueBackUp": 0.4}
+    return {"jawOpen": with_jaw[name]} if name in with_jaw else {}
+
+
+def _shape_shot(name: str) -> Shot:
+    weights = {name: 1.0, **_companions(name)}
+    return Shot(" + ".join(weights), weights, "mouth" if name in TONGUE else "face")
+
+
+SHEETS: dict[str, Sheet] = {
+    "neutral": Sheet((Shot(""), Shot("", yaw=38.0)), columns=2, width=560, height=640),
+    "shapes": Sheet(tuple(_shape_shot(name) for name in (*ARKIT, *TONGUE)), columns=9, width=190, height=210),
+}
+
+
+def draw(face: Face, sheet: Sheet) -> Image.Image:
+    """All shots of a sheet in one picture."""
+    poser = Poser(face, ALL)
+    renderers: dict[tuple[str, float], Renderer] = {}
+    rows = -(-len(sheet.shots) // sheet.columns)
+    whole = Image.new("RGB", (sheet.columns * sheet.width, rows * sheet.height))
+    for place, shot in enumerate(sheet.shots):
+        view = (shot.framing, shot.yaw)
+        if view not in renderers:
+            renderers[view] = _renderer(face, shot, sheet)
+        values = np.zeros(len(ALL))
+        for name, weight in shot.weights.items():
+            if name not in ALL:
+                raise unknown_name("channel", name, ALL)
+            values[ALL.index(name)] = weight
+        picture = Image.fromarray(renderers[view].render(poser.pose(values)))
+        ImageDraw.Draw(picture).text((6, 4), shot.caption, fill=(245, 245, 245))
+        row, column = divmod(place, sheet.columns)
+        whole.paste(picture, (column * sheet.width, row * sheet.height))
+    return whole
+
+
+def _renderer(face: Face, shot: Shot, sheet: Sheet) -> Renderer:
+    field_mm, middle = FRAMINGS[shot.framing]
+    camera = Camera((0.0, middle, 10.0), distance=1100.0, field_mm=field_mm).turned(shot.yaw)
+    return Renderer(face, sheet.width, sheet.height, camera)
+
+
+def main() -> None:
+    """Read the command line and draw."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, required=True, help="folder for the pictures; made if it is missing")
+    parser.add_argument("--face", default="default", help="a face that comes with mien, or a face file")
+    parser.add_argument("--only", choices=sorted(SHEETS), help="draw this sheet alone")
+    given = parser.parse_args()
+    face = load_face(given.face)
+    given.out.mkdir(parents=True, exist_ok=True)
+    for name in [given.only] if given.only else SHEETS:
+        with replace_when_complete(given.out / f"{name}.jpg") as unfinished:
+            draw(face, SHEETS[name]).save(unfinished, quality=JPEG_QUALITY, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
