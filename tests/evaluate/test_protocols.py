@@ -11,7 +11,7 @@ from mien.errors import InputError, OutputError
 from mien.evaluate.baselines import Cosine
 from mien.evaluate.contenders import contenders
 from mien.evaluate.plot import draw_trajectories, write_trajectories
-from mien.evaluate.protocols import RECORDING, Evaluation, evaluate_folds, evaluate_performer, recordings
+from mien.evaluate.protocols import RECORDING, REPETITIONS, Evaluation, evaluate_folds, evaluate_performer, recordings
 from mien.evaluate.report import markdown, put_section
 from mien.evaluate.splits import Fold, named_fold, words_fold
 from tests.evaluate.synthetic import corpus, spoken
@@ -32,7 +32,7 @@ def random_evaluation(made: Corpus) -> Evaluation:
 
 def test_models_are_ranked_as_the_motion_was_made(random_evaluation: Evaluation) -> None:
     scores = random_evaluation.scores
-    assert list(scores) == [RECORDING, "mean pose", "cosine", "ridge"]
+    assert list(scores) == [RECORDING, REPETITIONS, "mean pose", "cosine", "ridge"]
     assert scores["cosine"]["rms"].value < scores["ridge"]["rms"].value < scores["mean pose"]["rms"].value
     assert scores["cosine"]["opening_r"].value > 0.98
     assert (random_evaluation.takes, random_evaluation.pooled) == (2, False)
@@ -105,7 +105,7 @@ def test_the_table_names_rows_units_and_what_cannot_be_told(random_evaluation: E
     assert "| model | RMS (mm) | opening r |" in text
     assert "Learned from 14 takes, scored on 2." in text
     own = random_evaluation.scores[RECORDING]["closure_f1"].value
-    assert f"Closure F1 as a share of the recording's own ({own:.2f}): mean pose 0.00, cosine" in text
+    assert f"Closure F1 as a share of the recording's own ({own:.2f}): other repetitions " in text
 
 
 def test_a_section_is_replaced_in_place_and_the_rest_is_kept(tmp_path: Path) -> None:

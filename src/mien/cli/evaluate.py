@@ -103,7 +103,7 @@ def _folds(options: argparse.Namespace, takes: Sequence[Take]) -> list[Fold]:
 
 def _tell(evaluation: Evaluation, name: str, title: str, options: argparse.Namespace) -> None:
     """Print the tables; with --report write them, and the picture beside them."""
-    from mien.evaluate.protocols import RECORDING
+    from mien.evaluate.protocols import YARDSTICKS
     from mien.evaluate.report import markdown, put_section
 
     text = markdown(evaluation, f"### {title}")
@@ -114,7 +114,7 @@ def _tell(evaluation: Evaluation, name: str, title: str, options: argparse.Names
 
     report = Path(options.report)
     picture = report.with_name(f"{report.stem}-{name}.png")
-    shown = [model for model in evaluation.scores if model != RECORDING and model != "mean pose"]
+    shown = [model for model in evaluation.scores if model not in (*YARDSTICKS, "mean pose")]
     write_trajectories(picture, evaluation.traces, shown[-MOST_MODELS:])
     caption = f"Lip opening and its velocity in {len(evaluation.traces)} held-out takes, recorded and synthesised"
     put_section(report, f"evaluate {name}", f"{text}\n![{caption}]({picture.name})")

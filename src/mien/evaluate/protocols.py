@@ -12,15 +12,30 @@ from mien.corpus.corpus import Corpus
 from mien.errors import InputError, Note
 from mien.evaluate.baselines import Model
 from mien.evaluate.published import upper_face_dynamics_deviation
+from mien.evaluate.repetitions import Repetitions
 from mien.evaluate.scores import Score, score
 from mien.evaluate.splits import Fold
 from mien.evaluate.takes import Recording, prepare
 from mien.evaluate.tallies import Tally, tally
 
-__all__ = ["RECORDING", "Evaluation", "Trace", "evaluate_folds", "evaluate_performer", "recordings"]
+__all__ = [
+    "RECORDING",
+    "REPETITIONS",
+    "YARDSTICKS",
+    "Evaluation",
+    "Trace",
+    "evaluate_folds",
+    "evaluate_performer",
+    "recordings",
+]
 
 RECORDING = "recording"
 """Row in which the recording is scored against itself: the yardstick for closures and jitter."""
+REPETITIONS = "other repetitions"
+"""Row in which the words are told from the other takes that say them: about the best that phones and times allow."""
+YARDSTICKS = (RECORDING, REPETITIONS)
+ENOUGH_REPEATED = 0.9
+"""Share of the scored takes whose words other takes must repeat for that row to mean anything."""
 TRACES = 4
 """Takes whose trajectories are kept for a picture."""
 
@@ -44,7 +59,7 @@ class Evaluation:
     Attributes
     ----------
     scores : mapping of str to mapping of str to Score
-        By model and metric; the first model is `RECORDING`.
+        By row and metric: first the `YARDSTICKS` (`REPETITIONS` only where words are repeated), then the models.
     pooled : bool
         Whether frames were pooled (unseen words) or takes averaged.
     folds : tuple of Fold
@@ -117,14 +132,14 @@ def evaluate_folds(
     InputError
         If no frame is left to score.
     """
-    tallies: dict[str, dict[str, Tally]] = {name: {} for name in (RECORDING, *makers)}
+    tallies: dict[str, dict[str, Tally]] = {name: {} for name in (*YARDSTICKS, *makers)}
     traces: list[Trace] = []
-    scored: set[str] = set()
     total = len(folds) * len(makers)
+    every = Repetitions(ready.values())
     for number, fold in enumerate(folds):
         counted = {name: ready[name].inside(fold.words) for name in fold.test}
         test = [name for name in fold.test if counted[name].any()]
-        mouths = {name: {RECORDING: _filled(ready[name])} for name in test}
+        mouths = {name: _yardsticks(ready[name], every, counted[name]) for name in test}
         for place, (model_name, make) in enumerate(makers.items()):
             if progress:
                 progress(number * len(makers) + place, total, model_name)
@@ -132,12 +147,11 @@ def evaluate_folds(
             for name in test:
                 mouths[name][model_name] = model.synthesise(ready[name].take.phones, ready[name].times)
         for name in test:
-            for model_name, mouth in mouths[name].items():
-                _add(tallies[model_name], name, tally(ready[name], mouth, counted[name]))
-        scored.update(test)
+            for row, mouth in mouths[name].items():
+                _add(tallies[row], name, tally(ready[name], mouth, counted[name]))
         if not traces:
             traces = [Trace(ready[name], mouths[name]) for name in test[:: max(1, len(test) // TRACES)][:TRACES]]
-    return _finished(ready, tallies, traces, scored, tuple(folds), seed, tuple(notes))
+    return _finished(ready, tallies, traces, tuple(folds), seed, tuple(notes))
 
 
 def evaluate_performer(
@@ -175,15 +189,17 @@ def evaluate_performer(
             "score it on takes that were held out of its learning"
         )
     ready, notes = recordings(corpus)
-    tallies: dict[str, dict[str, Tally]] = {RECORDING: {}, name: {}}
+    tallies: dict[str, dict[str, Tally]] = {row: {} for row in (*YARDSTICKS, name)}
+    every = Repetitions(ready.values())
     traces: list[Trace] = []
     kept = sorted(ready)[:: max(1, len(ready) // TRACES)][:TRACES]
     for take, recording in ready.items():
-        mouths = {RECORDING: _filled(recording), name: model.synthesise(recording.take.phones, recording.times)}
+        mouths = _yardsticks(recording, every, recording.speech)
+        mouths[name] = model.synthesise(recording.take.phones, recording.times)
         for row, mouth in mouths.items():
             tallies[row][take] = tally(recording, mouth, recording.speech)
         traces += [Trace(recording, mouths)] if take in kept else []
-    return _finished(ready, tallies, traces, set(ready), (), seed, notes)
+    return _finished(ready, tallies, traces, (), seed, notes)
 
 
 def _add(tallies: dict[str, Tally], name: str, new: Tally) -> None:
@@ -192,11 +208,19 @@ def _add(tallies: dict[str, Tally], name: str, new: Tally) -> None:
     tallies[name] = new if old is None else {family: old[family] + new[family] for family in new}
 
 
+def _yardsticks(recording: Recording, every: Repetitions, counted: NDArray[np.bool_]) -> dict[str, Array]:
+    """The recording itself, and the other repetitions of its words if they say all that is scored."""
+    mouths = {RECORDING: _filled(recording)}
+    repeated, known = every.mouth(recording)
+    if known[counted].all():
+        mouths[REPETITIONS] = repeated
+    return mouths
+
+
 def _finished(
     ready: Mapping[str, Recording],
-    tallies: Mapping[str, Mapping[str, Tally]],
+    tallies: Mapping[str, dict[str, Tally]],
     traces: Sequence[Trace],
-    scored: Collection[str],
     folds: tuple[Fold, ...],
     seed: int,
     notes: tuple[Note, ...],
@@ -205,18 +229,19 @@ def _finished(
     if not rows:
         raise InputError("the test set is empty: none of its takes has a frame to score; give other names or words")
     pooled = any(fold.words for fold in folds)
+    shown = dict(tallies)
+    if len(tallies[REPETITIONS]) < ENOUGH_REPEATED * len(rows):
+        del shown[REPETITIONS]
     return Evaluation(
         scores={
-            model: score(
-                [of_model[name] for name in sorted(of_model)], pooled=pooled, random=np.random.default_rng(seed)
-            )
-            for model, of_model in tallies.items()
+            model: score([by_take[name] for name in sorted(by_take)], pooled=pooled, random=np.random.default_rng(seed))
+            for model, by_take in shown.items()
         },
         pooled=pooled,
         folds=folds,
         takes=len(rows),
         frames=int(sum(t["lips"][1] for t in rows.values())),
-        upper_face=_still_upper_face([ready[name] for name in sorted(scored)]),
+        upper_face=_still_upper_face([ready[name] for name in sorted(rows)]),
         traces=tuple(traces),
         notes=notes,
     )
