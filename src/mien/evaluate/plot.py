@@ -144,13 +144,19 @@ def _draw_axes(draw: ImageDraw.ImageDraw, panel: _Panel, title: str, unit: str, 
 
 def _draw_phones(draw: ImageDraw.ImageDraw, panel: _Panel, phones: Tier) -> None:
     left, top, right, bottom = panel.box
+    taken = 0.0  # where the last label ends; one that would touch it is lifted
     for phone in phones:
         if phone.label == PAUSE or phone.end < panel.times[0] or phone.start > panel.times[1]:
             continue
         ends = [x for x, _ in panel.points(np.array([phone.start, phone.end]), np.zeros(2))]
         x0, x1 = max(ends[0], left), min(ends[1], right)
         draw.line([(x0, top), (x0, bottom)], fill=_GRID, width=_SCALE)
-        draw.text(((x0 + x1) / 2, top - 3 * _SCALE), phone.label, fill=_INK, font=_font(10), anchor="mb")
+        half = draw.textlength(phone.label, font=_font(10)) / 2
+        touches = (x0 + x1) / 2 - half < taken + 2 * _SCALE
+        draw.text(
+            ((x0 + x1) / 2, top - (12 if touches else 3) * _SCALE), phone.label, fill=_INK, font=_font(10), anchor="mb"
+        )
+        taken = 0.0 if touches else (x0 + x1) / 2 + half
 
 
 def _draw_curves(

@@ -29,21 +29,21 @@ def markdown(evaluation: Evaluation, heading: str) -> str:
 
     Each cell is the figure with its 95 % bootstrap interval over takes; an en dash where it cannot be told.
     """
-    lines = [heading, "", _made(evaluation), ""]
+    lines = [heading, "", *_made(evaluation), ""]
     for columns in TABLES:
         shown = [c for c in columns if not (evaluation.pooled and c in _WHOLE_TAKE)]
         if shown:
             lines += [*_table(evaluation, shown), ""]
     lines += [_closure_line(evaluation), *_upper_face_line(evaluation)]
-    lines += [f"* {note.message}" for note in evaluation.notes]
+    lines += ["", *(f"* {note.message}" for note in evaluation.notes)]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _made(evaluation: Evaluation) -> str:
+def _made(evaluation: Evaluation) -> list[str]:
     how = "frames of all takes pooled" if evaluation.pooled else "each take scored, then averaged"
     what = f"{evaluation.takes} takes, {evaluation.frames} frames; {how}; intervals: 95 %, bootstrap over takes."
     parts = [_fold_text(fold.train, fold.test, sorted(fold.words)) for fold in evaluation.folds]
-    return what + (" " + " ".join(parts) if parts else "")
+    return [f"{what} {parts[0]}"] if len(parts) == 1 else [what, *(["", *(f"* {p}" for p in parts)] if parts else [])]
 
 
 def _fold_text(train: Sequence[str], test: Sequence[str], words: Sequence[str]) -> str:
