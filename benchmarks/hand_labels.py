@@ -52,17 +52,16 @@ def is_damaged(audio: Audio) -> bool:
 
 
 def timit(folder: Path, number: int | None = None) -> tuple[list[Labelled], int]:
-    """The sound files of timit-sample, and how many damaged ones were left out."""
-    found, damaged = [], 0
-    for path in spread(sorted(folder.glob("*/*.flac")), number):
-        audio, _ = read_audio(path)
-        if is_damaged(audio):
-            damaged += 1
-            continue
+    """Sound files of timit-sample, and how many damaged ones were left out."""
+    sounds = {path: read_audio(path)[0] for path in sorted(folder.glob("*/*.flac"))}
+    whole = [path for path, audio in sounds.items() if not is_damaged(audio)]
+    found = []
+    for path in spread(whole, number):
+        audio = sounds[path]
         words = tuple(_timit_lines(path.with_suffix(".wrd")))
         phones = tuple(_folded(list(_timit_lines(path.with_suffix(".phn"))), audio.duration))
         found.append(Labelled(f"{path.parent.name}-{path.stem}", audio, words, phones))
-    return found, damaged
+    return found, len(sounds) - len(whole)
 
 
 def _timit_lines(path: Path) -> Iterator[Interval]:
