@@ -1,6 +1,7 @@
 """``mien``: reads the arguments, calls `mien.api`, tells what happened.
 
-Exit codes: 0 done; 1 ``mien doctor`` found a fault; 2 the input, an option or an output cannot be used; 130 stopped.
+Exit codes: 0 done; 1 ``mien doctor`` or ``mien corpus check`` found a fault; 2 the input, an option or an output cannot
+be used; 130 stopped.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING, NoReturn
 
+from mien.cli import evaluate
+from mien.cli.corpus import add_corpus_commands
 from mien.errors import MienError, Note
 
 if TYPE_CHECKING:
@@ -72,6 +75,9 @@ def _parser() -> argparse.ArgumentParser:
     align.add_argument("-o", "--output", metavar="X.TextGrid", required=True, help="the file to write")
     align.add_argument("--quiet", action="store_true", help="say nothing but errors")
     align.set_defaults(run=_align)
+
+    add_corpus_commands(commands)
+    evaluate.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)

@@ -5,9 +5,12 @@
     CORPUS/
       corpus.json             {"format": "mien-corpus", "version": 1, "layout": ..., "licence": ..., "citation": ...}
       manifest.jsonl          one line per take: name, text, emotion, sentence, speaker, length, digest, source
+      reference.npz           one frame per speaker on which all others were laid (written by an import)
+      refused.jsonl           one line per recording that did not become a take (written by an import)
       audio/NAME.flac         the sound, 24 bit
       motion/NAME.npz         markers: (frames, markers, 3) float32 mm, names, rate as [numerator, denominator];
-                              head: (frames, 4, 4) float64 where the head's motion is known
+                              head: (frames, 4, 4) float64 where the head's motion is known;
+                              channels, channel_names: (frames, channels) float32 where there are ARKit weights
       textgrid/NAME.TextGrid  words and phones
 
 A take is there when its line is in the manifest; its files are written before its line.
@@ -31,7 +34,7 @@ from mien.errors import InputError
 from mien.files import replace_when_complete
 from mien.textgrid import read_textgrid, write_textgrid
 from mien.timeline import FrameRate, Tier
-from mien.tracks import MarkerTrack
+from mien.tracks import ChannelTrack, MarkerTrack
 
 __all__ = ["FORMAT", "VERSION", "Corpus"]
 
@@ -69,6 +72,27 @@ class Corpus:
                 unfinished.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
         return cls(folder)
 
+    @classmethod
+    def files_only(cls, folder: Path) -> Corpus:
+        """A corpus whose manifest is not read: for a process that only writes the files of takes."""
+        corpus = cls.__new__(cls)
+        corpus.folder, corpus.about, corpus.entries = Path(folder), {}, {}
+        return corpus
+
+    def describe(self, **about: str) -> None:
+        """Change what the corpus says of itself (layout, licence, citation...)."""
+        self.about |= about
+        with replace_when_complete(self.folder / "corpus.json") as unfinished:
+            unfinished.write_text(json.dumps(self.about, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+    def files_of(self, name: str) -> tuple[Path, Path, Path]:
+        """Where the sound, the motion and the TextGrid of a take lie."""
+        return (
+            self.folder / "audio" / f"{name}.flac",
+            self.folder / "motion" / f"{name}.npz",
+            self.folder / "textgrid" / f"{name}.TextGrid",
+        )
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the takes, sorted."""
@@ -101,6 +125,9 @@ class Corpus:
                 rate = FrameRate(Fraction(*(int(n) for n in file["rate"])))
                 markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
                 head = np.array(file["head"]) if "head" in file else None
+                channels = None
+                if "channels" in file:
+                    channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
         except (OSError, ValueError, KeyError, BadZipFile) as problem:
             raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
         tiers = {tier.name: tier for tier in read_textgrid(self.folder / "textgrid" / f"{name}.TextGrid")}
@@ -117,6 +144,7 @@ class Corpus:
             sentence=entry["sentence"],
             speaker=entry["speaker"],
             source=entry["source"],
+            channels=channels,
         )
 
     def add(self, take: Take) -> None:
@@ -137,6 +165,9 @@ class Corpus:
         }
         if take.head is not None:
             arrays["head"] = take.head
+        if take.channels is not None:
+            arrays["channels"] = take.channels.values.astype(np.float32)
+            arrays["channel_names"] = np.array(take.channels.names)
         with replace_when_complete(self.folder / "motion" / f"{take.name}.npz") as unfinished:
             np.savez_compressed(unfinished, **arrays)
         write_textgrid((take.words, take.phones), take.duration, self.folder / "textgrid" / f"{take.name}.TextGrid")

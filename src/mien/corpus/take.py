@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mien.audio import Audio
 from mien.errors import InputError
 from mien.timeline import Tier
-from mien.tracks import MarkerTrack
+from mien.tracks import ChannelTrack, MarkerTrack
 
 __all__ = ["Take"]
 
@@ -40,6 +40,8 @@ class Take:
     speaker : str
     source : dict of str
         Where the take came from: file, recipe, and what was repaired.
+    channels : ChannelTrack or None
+        ARKit weights where the recording has them (a tracker's scores, face capture), frame by frame with the markers.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Take:
     sentence: str = ""
     speaker: str = ""
     source: dict[str, str] = field(default_factory=dict)
+    channels: ChannelTrack | None = None
 
     def __post_init__(self) -> None:
         if not self.name or not all(c.isalnum() or c in "_-." for c in self.name) or self.name.startswith("."):

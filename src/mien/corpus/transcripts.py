@@ -1,0 +1,197 @@
+"""What is said in a take: from a text, label or TextGrid file beside it, or a table for all."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from mien.corpus.recipes import FIELDS
+from mien.errors import InputError, Note, unknown_name
+from mien.speech.phones import phone_table
+from mien.speech.utterance import PAUSE
+from mien.textgrid import read_textgrid
+from mien.timeline import Interval, Tier
+
+__all__ = ["Transcript", "decoded", "read_table", "read_transcript"]
+
+_PAUSES = frozenset({"", "sil", "sp", "spn", "pau", "h#", "#", "<sil>", "<p:>", "silence", "_"})
+_ALIGN_TICKS = 25_000  # of GRID's .align files per second
+_LAB_TICKS = 10_000_000  # of HTK's .lab files per second
+_NO_WORDS = frozenset({"sil", "sp", "spn", "pau", "<sil>", "<s>", "</s>", "#"})
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """What is said, and when, as far as the file knows.
+
+    Attributes
+    ----------
+    text : str
+    words : Tier or None
+        Times as in the file: a second opinion beside our own alignment.
+    phones : Tier or None
+        Given only by a TextGrid with a tier of phones: then nothing is aligned.
+    notes : tuple of Note
+    """
+
+    text: str
+    words: Tier | None = None
+    phones: Tier | None = None
+    notes: tuple[Note, ...] = ()
+
+
+def decoded(content: bytes, path: Path) -> tuple[str, tuple[Note, ...]]:
+    r"""Text of a file: UTF-8, UTF-16 with its mark, else Windows-1252 with a note.
+
+    Raises
+    ------
+    InputError
+        If it is no text; the message names the byte.
+
+    Examples
+    --------
+    >>> text, notes = decoded("s\u00e4".encode("cp1252"), Path("a.txt"))
+    >>> text, notes[0].message
+    ('sä', 'a.txt is not UTF-8 (byte 1): read as Windows-1252')
+    """
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        try:
+            return content.decode("utf-16"), ()
+        except UnicodeDecodeError as problem:
+            raise InputError(f"{path}: damaged UTF-16 text at byte {problem.start}") from problem
+    if b"\x00" in content:
+        raise InputError(f"{path}: expected text, byte {content.index(0)} is 0: is it of another kind?")
+    try:
+        return content.decode("utf-8-sig"), ()
+    except UnicodeDecodeError as problem:
+        note = Note("note", f"{path.name} is not UTF-8 (byte {problem.start}): read as Windows-1252")
+        return content.decode("cp1252", errors="replace"), (note,)
+
+
+def read_transcript(path: Path) -> Transcript:
+    """Read a ``.txt``, ``.lab``, ``.align`` or ``.TextGrid``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, holds no words, or a phone in it is not known.
+    """
+    suffix = path.suffix.lower()
+    if suffix == ".textgrid":
+        return _from_textgrid(path)
+    try:
+        text, notes = decoded(path.read_bytes(), path)
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    if suffix == ".align":
+        transcript = _from_labels(path, text, notes, _ALIGN_TICKS)
+    elif suffix == ".lab" and re.match(r"\s*\d+\s+\d+\s+\S", text):
+        transcript = _from_labels(path, text, notes, _LAB_TICKS)
+    else:
+        transcript = Transcript(" ".join(text.split()), notes=notes)
+    if not transcript.text:
+        raise InputError(f"{path}: expected what is said in the recording, the file has no words")
+    return transcript
+
+
+def _from_labels(path: Path, text: str, notes: tuple[Note, ...], ticks: int) -> Transcript:
+    intervals = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip():
+            continue
+        cells = line.split()
+        if len(cells) < 3 or not (cells[0].isdigit() and cells[1].isdigit()):
+            raise InputError(f"{path}, line {number}: expected 'start end word', got {line.strip()!r}")
+        if cells[2].lower() not in _NO_WORDS:
+            try:
+                intervals.append(Interval(int(cells[0]) / ticks, int(cells[1]) / ticks, cells[2]))
+            except InputError as problem:
+                raise InputError(f"{path}, line {number}: {problem}") from problem
+    words = Tier("words", tuple(intervals))
+    if intervals and all(interval.label.rstrip("012").upper() in phone_table() for interval in intervals[:50]):
+        raise InputError(
+            f"{path}: its labels are phones, not words; give the words in a .txt or .TextGrid of that name"
+        )
+    return Transcript(" ".join(interval.label for interval in intervals), words, notes=notes)
+
+
+def _from_textgrid(path: Path) -> Transcript:
+    tiers = {tier.name.strip().lower().rstrip("s"): tier for tier in read_textgrid(path)}
+    words = tiers.get("word") or tiers.get("transcript") or tiers.get("text") or tiers.get("sentence")
+    if words is None or not len(words):
+        known = ", ".join(tiers) or "none"
+        raise InputError(f"{path}: expected a tier 'words' with what is said (tiers: {known})")
+    spoken = Tier("words", tuple(i for i in words if i.label.strip().lower() not in _NO_WORDS and i.label.strip()))
+    phones = tiers.get("phone") or tiers.get("phoneme")
+    text = " ".join(interval.label.strip() for interval in spoken)
+    return Transcript(text, spoken, _arpabet(path, phones) if phones and len(phones) else None)
+
+
+def _arpabet(path: Path, tier: Tier) -> Tier:
+    """Phones without stress, pauses as `PAUSE`."""
+    intervals = []
+    for interval in tier:
+        label = interval.label.strip()
+        if label.lower() in _PAUSES:
+            symbol = PAUSE
+        else:
+            symbol = label.upper().rstrip("012")
+            if symbol not in phone_table():
+                raise InputError(
+                    f"{path}, at {interval.start:.3f} s: {label!r} is no ARPAbet phone; rename it, or leave "
+                    "the tier of phones out and the words are aligned"
+                )
+        intervals.append(Interval(interval.start, interval.end, symbol))
+    return Tier("phones", tuple(intervals))
+
+
+def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]:
+    """Read a table of takes: CSV, TSV or with semicolons; a header line with ``name`` and any of `FIELDS`.
+
+    Returns
+    -------
+    table : dict
+        For each name what the line says; empty cells are left out.
+    notes : tuple of Note
+
+    Raises
+    ------
+    InputError
+        If a column is not known, or a name repeats.
+    """
+    try:
+        text, notes = decoded(path.read_bytes(), path)
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    lines = text.splitlines()
+    header = lines[0] if lines else ""
+    delimiter = max("\t;,", key=header.count)
+    rows = csv.DictReader(lines, delimiter=delimiter)
+    columns = [name.strip().lower() for name in rows.fieldnames or ()]
+    if "name" not in columns:
+        raise InputError(
+            f"{path}: expected a header line with 'name' and any of {', '.join(FIELDS)}, got {header[:60]!r}"
+        )
+    for column in columns:
+        if column not in ("name", *FIELDS):
+            raise unknown_name(f"column in {path.name}", column, ("name", *FIELDS))
+    rows.fieldnames = columns
+    return _rows_by_name(path, rows, delimiter), notes
+
+
+def _rows_by_name(path: Path, rows: csv.DictReader[str], delimiter: str) -> dict[str, dict[str, str]]:
+    table: dict[str, dict[str, str]] = {}
+    for row in rows:
+        cells: Mapping[str, str | None] = row
+        if None in cells:
+            raise InputError(
+                f"{path}, line {rows.line_num}: more cells than columns: quote a text that holds the separator"
+            )
+        name = (cells["name"] or "").strip()
+        if name in table:
+            raise InputError(f"{path}, line {rows.line_num}: the name {name!r} is there twice; keep one of the lines")
+        table[name] = {key: value.strip() for key, value in cells.items() if key != "name" and value and value.strip()}
+    return table
