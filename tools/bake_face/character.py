@@ -29,12 +29,12 @@ def neutral(data: MakeHuman) -> Floats:
         for filled in {name.format(side=side) for side in "lr"}:
             shape += amount * data.target(filled)
     partner = data.mirror()
-    return (shape + mirrored(shape, partner)) / 2
+    return np.asarray((shape + mirrored(shape, partner)) / 2)
 
 
 def mirrored(field: Floats, partner: Ints) -> Floats:
     """A field of positions or offsets seen in a mirror that stands on the face's middle plane."""
-    return field[partner] * np.array([-1.0, 1.0, 1.0])
+    return np.asarray(field[partner] * np.array([-1.0, 1.0, 1.0]))
 
 
 def mirror_shapes(shapes: dict[str, Floats], partner: Ints) -> dict[str, Floats]:

@@ -14,6 +14,8 @@ _PUPIL_SHARE = 0.36  # of the iris's radius
 _CORNEA_RISE = 0.035  # of the eyeball's radius
 _TEXTURE_POWER = 0.6  # bends the texture's radius so that the iris gets more of it
 _RINGS, _SPOKES = 44, 56
+_CARUNCLE = (1.5, 0.1, -1.7)  # mm outward, up and forward from the lids' inner corner
+_CARUNCLE_SIZE = np.array([2.0, 1.5, 1.5])  # mm
 _TURN = {"look_up": 18.0, "look_down": 24.0, "look_in": 28.0, "look_out": 30.0}  # degrees at weight 1
 
 
@@ -56,12 +58,28 @@ def paint_eye(size: int, seed: int) -> Floats:
     return np.clip(colour, 0, 1).reshape(size, size, 3)
 
 
+def build_caruncles(corners: Floats) -> Sculpt:
+    """The small pink flesh in the inner corner of each eye; ``corners`` (2, 3) are the lids' inner corners."""
+    turn, rise = np.meshgrid(np.linspace(0, 2 * np.pi, 13)[:-1], np.linspace(0, np.pi, 9), indexing="ij")
+    ball = np.stack([np.sin(rise) * np.cos(turn), np.cos(rise), np.sin(rise) * np.sin(turn)], axis=2).reshape(-1, 3)
+    column, row = (grid.ravel() for grid in np.meshgrid(np.arange(12), np.arange(8), indexing="ij"))
+    a, b = column * 9 + row, (column + 1) % 12 * 9 + row
+    faces = np.vstack([np.stack([a, b, a + 1], axis=1), np.stack([b, b + 1, a + 1], axis=1)])
+    pieces = [
+        corner + np.array([np.sign(corner[0]) * _CARUNCLE[0], *_CARUNCLE[1:]]) + ball * _CARUNCLE_SIZE
+        for corner in corners
+    ]
+    both = Sculpt("caruncles", np.vstack(pieces), np.vstack([faces, faces + len(ball)]))
+    both.colours = np.tile([0.80, 0.50, 0.46], (len(both.vertices), 1))
+    return both
+
+
 def _sclera(theta: Floats, phi: Floats, seed: int) -> Floats:
     white = np.array([0.915, 0.895, 0.875])
     warm = np.array([0.86, 0.70, 0.64])
     share = 0.55 * smoothstep(0.75, 1.5, theta)
     cloud = 0.012 * layered_noise(np.stack([theta * np.cos(phi), theta * np.sin(phi)], axis=1), 0.25, seed)
-    return white + (warm - white) * share[:, None] + cloud[:, None]
+    return np.asarray(white + (warm - white) * share[:, None] + cloud[:, None])
 
 
 def _iris(radius: Floats, phi: Floats, seed: int) -> Floats:
@@ -75,4 +93,4 @@ def _iris(radius: Floats, phi: Floats, seed: int) -> Floats:
     collar = np.exp(-(((radius - 0.52 - 0.03 * fibres) / 0.05) ** 2))
     base = base * (1 + 0.22 * collar)[:, None]
     limbal = smoothstep(0.80, 1.0, radius)
-    return base * (1 - 0.72 * limbal)[:, None]
+    return np.asarray(base * (1 - 0.72 * limbal)[:, None])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sparse
 from contact import split_loop
@@ -140,6 +142,27 @@ def _brow_line(share: Floats) -> tuple[Floats, Floats]:
     return line, half
 
 
+def _projector(skin: Sculpt) -> Callable[[Floats], tuple[Floats, Floats]]:
+    """A function that lays points (k, 3) straight back onto the brow of the left side: places and normals there."""
+    x, y, z = skin.vertices.T
+    front = np.flatnonzero((z > -5) & (y > 5) & (y < 45) & (x > 0))
+    points, normals = skin.vertices[front], vertex_normals(skin.vertices, skin.triangles)[front]
+    tree = cKDTree(points[:, :2])
+
+    def on_skin(given: Floats) -> tuple[Floats, Floats]:
+        distance, near = tree.query(given[:, :2], k=4)
+        weight = 1 / np.maximum(distance, 0.1) ** 2
+        weight /= weight.sum(axis=1, keepdims=True)
+        slope = np.einsum("kn,knc->kc", weight, normals[near])
+        slope /= np.linalg.norm(slope, axis=1, keepdims=True)
+        aside = ((given[:, None, :2] - points[near][..., :2]) * slope[:, None, :2]).sum(2)
+        place = given.copy()
+        place[:, 2] = (weight * (points[near][..., 2] - aside / np.maximum(slope[:, None, 2], 0.2))).sum(1)
+        return place, slope
+
+    return on_skin
+
+
 def build_brows(head: Head, seed: int) -> Sculpt:
     """Brow hairs: rooted on the skin, lying along the brow; one side is the mirror of the other."""
     skin = head.skin
@@ -150,26 +173,7 @@ def build_brows(head: Head, seed: int) -> Sculpt:
     share = share + 0.06 * np.maximum(offset, 0) * (share < 0.2)
     middle, half = _brow_line(share)
     roots = np.stack([11.0 + 37.0 * share, middle + offset * half, np.zeros(count)], axis=1)
-    front = np.flatnonzero(
-        (skin.vertices[:, 2] > -5) & (skin.vertices[:, 1] > 5) & (skin.vertices[:, 1] < 45) & (skin.vertices[:, 0] > 0)
-    )
-    normals = vertex_normals(skin.vertices, skin.triangles)
-    tree = cKDTree(skin.vertices[front][:, :2])
-
-    def on_skin(points: Floats) -> tuple[Floats, Floats]:
-        distance, near = tree.query(points[:, :2], k=4)
-        weight = 1 / np.maximum(distance, 0.1) ** 2
-        weight /= weight.sum(axis=1, keepdims=True)
-        place = points.copy()
-        slope = np.einsum("kn,knc->kc", weight, normals[front][near])
-        slope /= np.linalg.norm(slope, axis=1, keepdims=True)
-        near_points = skin.vertices[front][near]
-        drop = ((points[:, None, :2] - near_points[..., :2]) * slope[:, None, :2]).sum(2) / np.maximum(
-            slope[:, None, 2], 0.2
-        )
-        place[:, 2] = (weight * (near_points[..., 2] - drop)).sum(1)
-        return place, slope
-
+    on_skin = _projector(skin)
     roots, normal = on_skin(roots)
     angle = np.interp(share, [0, 0.18, 0.5, 1.0], [1.25, 0.75, 0.25, -0.42]) - 0.55 * offset * smoothstep(
         0.1, 0.4, share

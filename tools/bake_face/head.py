@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from character import mirror_shapes, neutral
 from makehuman import Floats, Ints, MakeHuman
+from numpy.typing import NDArray
 from sculpt import Sculpt, smoothstep
 from subdivision import catmull_clark, triangulate
 from uv import border_loops, unfold
@@ -60,7 +61,7 @@ def fit_sphere(points: Floats) -> tuple[Floats, float]:
     return solution[:3], float(np.sqrt(solution[3] + solution[:3] @ solution[:3]))
 
 
-def _islands(data: MakeHuman, texture_faces: Ints) -> tuple[Floats, Floats]:
+def _islands(data: MakeHuman, texture_faces: Ints) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which faces lie in the sockets, and which in the mouth, told by their place in MakeHuman's texture."""
     centre = data.texture_points[texture_faces].mean(1)
     socket = (centre[:, 0] < 0.17) & (centre[:, 1] > 0.54) & (centre[:, 1] < 0.64)
@@ -126,7 +127,7 @@ def _sample(picture: Floats, places: Floats) -> Floats:
     height, width = picture.shape
     column = np.clip((places[:, 0] * width).astype(int), 0, width - 1)
     row = np.clip(((1 - places[:, 1]) * height).astype(int), 0, height - 1)
-    return picture[row, column]
+    return np.asarray(picture[row, column])
 
 
 def _head_weight(data: MakeHuman) -> Floats:

@@ -25,10 +25,10 @@ def value_noise(points: Floats, scale: float, seed: int) -> Floats:
         weight = np.prod(np.where(np.array(corner), share, 1 - share), axis=1)
         index = tuple(((low[:, axis] + step) % _SIDE) for axis, step in enumerate(corner))
         total += weight * lattice[index]
-    return total
+    return np.asarray(total)
 
 
 def layered_noise(points: Floats, scale: float, seed: int, layers: int = 4) -> Floats:
     """Sum of value noise at halving scales and weights, about -1..1."""
     parts = [value_noise(points, scale / 2**k, seed + k) / 2**k for k in range(layers)]
-    return np.asarray(sum(parts)) / (2 - 2 ** (1 - layers))
+    return np.asarray(np.sum(parts, axis=0) / (2 - 2 ** (1 - layers)))

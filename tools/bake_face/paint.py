@@ -75,7 +75,8 @@ def paint_skin(
     covered = index >= 0
     corners = skin.triangles[index[covered]]
     texels = np.einsum("kc,kcf->kf", shares[covered], fields[corners])
-    canvas = Canvas(*(texels[:, :3], *texels[:, 3:8].T), colour=np.tile(_BASE, (len(texels), 1)))
+    lips, lids, ears, inside, open_sky = texels[:, 3:8].T
+    canvas = Canvas(texels[:, :3], lips, lids, ears, inside, open_sky, np.tile(_BASE, (len(texels), 1)))
     _zones(canvas, sites)
     _mottle(canvas, seed)
     _hair(canvas, texels[:, 8], texels[:, 9], seed)
@@ -129,7 +130,7 @@ def _hair(canvas: Canvas, hair: Floats, brows: Floats, seed: int) -> None:
     strands = value_noise(
         np.stack([canvas.place[:, 0] + canvas.place[:, 2], canvas.place[:, 1] * 0.15], axis=1), 0.7, seed + 41
     )
-    canvas.mix(0.86 * smoothstep(0.04, 0.62, hair + (ragged + 0.10 * strands) * (hair > 0.01)), _STUBBLE)
+    canvas.mix(0.86 * smoothstep(0.16, 0.66, hair + (ragged + 0.10 * strands) * (hair > 0.01)), _STUBBLE)
     canvas.mix(0.50 * smoothstep(0.1, 0.9, brows + ragged * (brows > 0.05)), _STUBBLE)
 
 

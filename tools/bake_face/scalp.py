@@ -13,8 +13,8 @@ from subdivision import catmull_clark, triangulate
 _AXIS_Z = -75.0  # mm: the hairline is described by the azimuth about this upright line
 # Azimuth in degrees from the front, and the height of the hairline there, mm over the eyes.
 _HAIRLINE = (
-    (0, 64), (12, 65), (24, 68), (34, 68), (43, 60), (52, 47), (61, 34), (69, 18), (75, 2), (78, -8), (83, -10), (86, 10),
-    (92, 15), (101, 14), (105, 0), (108, -28), (114, -46), (128, -55), (150, -60), (180, -63),
+    (0, 64), (12, 65), (24, 68), (34, 68), (43, 60), (52, 47), (61, 34), (69, 18), (75, 2), (78, -8), (83, -10),
+    (86, 10), (92, 15), (101, 14), (105, 0), (108, -28), (114, -46), (128, -55), (150, -60), (180, -63),
 )  # fmt: skip
 _CROWN = np.array([0.0, 98.0, -118.0])  # the hair runs away from here
 _DARK, _LIGHT = np.array([0.165, 0.122, 0.096]), np.array([0.285, 0.212, 0.160])
@@ -26,7 +26,10 @@ def hair_depth(points: Floats) -> Floats:
     at, height = np.array(_HAIRLINE, float).T
     line = np.interp(azimuth, at, height)
     slope = np.abs(np.interp(azimuth + 1, at, height) - np.interp(azimuth - 1, at, height)) / 2.6
-    return np.asarray((points[:, 1] - line) / np.hypot(1, slope))
+    above = points[:, 1] - line
+    # Beside a steep stretch of the line the way to it is shorter than the height over it; far above, no longer.
+    steep = 1 / np.hypot(1, slope)
+    return np.asarray(above * (steep + (1 - steep) * smoothstep(3.0, 30.0, above)))
 
 
 def hair_mask(head: Head) -> Floats:
@@ -47,11 +50,13 @@ def _runs(points: Floats) -> tuple[Floats, Floats]:
 
 def _picture_place(points: Floats) -> Floats:
     turn, away = _runs(points)
-    return 0.5 + 0.47 * (np.minimum(away / 1.95, 1))[:, None] * np.stack([np.sin(turn), -np.cos(turn)], axis=1)
+    return np.asarray(
+        0.5 + 0.47 * (np.minimum(away / 1.95, 1))[:, None] * np.stack([np.sin(turn), -np.cos(turn)], axis=1)
+    )
 
 
 def build_cap(head: Head, seed: int) -> tuple[Sculpt, Floats]:
-    """The cap: a finer copy of the scalp, lifted off it, sunk under the skin at the hairline; and the scalp's normals."""
+    """A finer copy of the scalp, lifted off it and sunk under the skin at the hairline; and the scalp's normals."""
     skin = head.skin
     mask = hair_mask(head)
     chosen = head.quads[(mask[head.quads] > 0.02).any(axis=1)]

@@ -76,7 +76,7 @@ def vertex_normals(vertices: Floats, triangles: Ints) -> Floats:
     normals = np.zeros_like(vertices)
     for k in range(3):
         np.add.at(normals, triangles[:, k], face)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12))
 
 
 def smoothstep(low: float, high: float, x: Floats) -> Floats:

@@ -26,7 +26,7 @@ def _at_x(points: Floats, row: Ints, x: float) -> int:
 
 
 def _lip_sites(head: Head, lips: Edges) -> dict[str, int]:
-    """Corners, red borders, and the places where the lips meet: the lowest of the upper and the highest of the lower."""
+    """Corners, red borders, and where the lips meet: the lowest of the upper and the highest of the lower lip."""
     points = head.skin.vertices
     _, _, (left, right) = split_loop(points, head.lip_loop)
     upper, lower = (np.unique(lips.triangles[side]) for side in (lips.upper, lips.lower))
@@ -53,7 +53,7 @@ def _edge_near(points: Floats, row: Ints, x: float, up: float) -> int:
 
 def _eye_sites(head: Head) -> dict[str, int]:
     points = head.skin.vertices
-    sites = {}
+    sites: dict[str, int] = {}
     for side, sign, loop, centre in zip(("left", "right"), (1, -1), lid_loops(head), head.eye_centres, strict=True):
         upper, lower, corners = split_loop(points, loop)
         outer, inner = corners if sign > 0 else corners[::-1]

@@ -83,10 +83,9 @@ def build_row(row: Row) -> Sculpt:
             crown, faces = _crown(width, height, thickness, place)
             base, tangent, outward = arch.at(side * (borders[place] + width / 2))
             up = 1.0 if row.upper else -1.0
-            edge = row.edge + up * (0.5 if place == 1 and row.upper else 0.0) - up * 0.25 * max(place - 2, 0) * 0.3
+            edge = row.edge + up * (0.5 if place == 1 and row.upper else -0.075 * max(place - 2, 0))
             shape = base + crown[:, :1] * tangent + (crown[:, 2:] - thickness * 0.5) * outward
             shape[:, 1] = edge + up * crown[:, 1]
-            shape[:, 2] += 0.12 * up * 0 * crown[:, 1]
             points.append(shape)
             triangles.append((faces if row.upper else faces[:, ::-1]) + count)
             root = smoothstep(0.45, 1.0, crown[:, 1] / height)[:, None]
@@ -159,9 +158,9 @@ def _gum(
             points.append(back)
     profile += 2
     faces = []
-    k = np.arange(profile)
+    ring = np.arange(profile)
     for i in range(len(steps) - 1):
-        a, b = i * profile + k, i * profile + np.roll(k, -1)
+        a, b = i * profile + ring, i * profile + np.roll(ring, -1)
         c, d = a + profile, b + profile
         quads = [np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)]
         faces += quads if row.upper else [q[:, ::-1] for q in quads]

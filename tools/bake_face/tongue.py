@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from head import Head
 from makehuman import Floats, MakeHuman
-from sculpt import Sculpt, smoothstep
+from sculpt import Sculpt, smoothstep, vertex_normals
 from subdivision import catmull_clark, triangulate
 
 
@@ -18,11 +18,14 @@ def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
     x, y, z = tongue.vertices.T
     front, back = z.max(), z.min()
     along = (z - back) / (front - back)
-    tongue.shapes["tongueTipUp"] = _raised(smoothstep(0.45, 1.0, along), 11.0, 4.0)
+    # The underside rises less than the back of the tongue, so that the blade is seen between parted teeth.
+    upward = vertex_normals(tongue.vertices, tongue.triangles)[:, 1]
+    tip = smoothstep(0.40, 0.95, along) * (0.35 + 0.65 * smoothstep(-0.7, 0.3, upward))
+    tongue.shapes["tongueTipUp"] = _raised(tip, 9.5, 4.5)
     tongue.shapes["tongueBackUp"] = _raised(np.exp(-(((along - 0.30) / 0.22) ** 2)), 8.5, -2.0)
     middle = np.exp(-((x / 3.0) ** 2)) * smoothstep(np.median(y), y.max(), y)
-    pink, dark = np.array([0.74, 0.38, 0.38]), np.array([0.35, 0.13, 0.14])
-    tongue.colours = dark + (pink - dark) * smoothstep(0.15, 0.95, along)[:, None]
+    pink, dark = np.array([0.80, 0.43, 0.42]), np.array([0.42, 0.17, 0.17])
+    tongue.colours = dark + (pink - dark) * smoothstep(0.10, 0.80, along)[:, None]
     tongue.colours = tongue.colours * (1 - 0.12 * middle)[:, None]
     return tongue
 
