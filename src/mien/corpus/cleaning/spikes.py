@@ -27,6 +27,7 @@ from mien.tracks import MarkerTrack
 __all__ = ["SpikeSettings", "remove_spikes"]
 
 _NEIGHBOURS = 6
+_USUAL_FRAMES = 100  # so many, evenly spread, say how far a marker usually is from where the others put it
 _ALIKE = 0.5  # two markers do the same if their jumps differ by less than this share of the jump
 
 
@@ -90,7 +91,10 @@ def remove_spikes(track: MarkerTrack, settings: SpikeSettings | None = None) -> 
     for flight in _flights(track.positions, settings, track.rate.fps):
         span = slice(flight.first, flight.last + 1)
         known = wild[:, flight.marker]
-        if known[span].all() or not _is_alone(track.positions, flight, neighbours[flight.marker]):
+        borders = known[max(0, flight.first - 1) : flight.last + 2]
+        if known[span].all() or (borders[[0, -1]] & ~known[span][[0, -1]]).any():
+            continue  # seen already, or measured from a frame that is wild itself
+        if not _is_alone(track.positions, flight, neighbours[flight.marker]):
             continue
         if _surprises(track.positions, flight, known, settings):
             wild[span, flight.marker] = True
@@ -108,14 +112,17 @@ def remove_spikes(track: MarkerTrack, settings: SpikeSettings | None = None) -> 
 def _flights(positions: NDArray[np.float64], settings: SpikeSettings, fps: float) -> list[_Flight]:
     """Runs of frames in which a marker is off its path and back again, the highest first."""
     longest = min(max(1, round(settings.longest * fps)), len(positions) - 2)
+    # A marker that never goes half the jump from one frame to the next cannot be off a line between frames by all of it.
+    steps = np.nan_to_num(np.linalg.norm(np.diff(positions, axis=0), axis=2)).max(axis=0)
+    able = np.flatnonzero(2 * steps >= settings.jump)
     found = []
     for length in range(1, longest + 1):
-        lowest = np.full((len(positions) - length + 1, positions.shape[1]), np.inf)
+        lowest = np.full((len(positions) - length + 1, len(able)), np.inf)
         for offset in range(length):
-            lowest = np.minimum(lowest, np.linalg.norm(_step(positions, length, offset), axis=2))
-        for first, marker in np.argwhere(lowest > settings.jump):
-            height = float(lowest[first, marker])
-            found.append(_Flight(height, int(marker), int(first), int(first) + length - 1))
+            lowest = np.minimum(lowest, np.linalg.norm(_step(positions[:, able], length, offset), axis=2))
+        for first, place in np.argwhere(lowest > settings.jump):
+            height = float(lowest[first, place])
+            found.append(_Flight(height, int(able[place]), int(first), int(first) + length - 1))
     found.sort(key=lambda flight: (-flight.height, flight.marker, flight.first))
     return found
 
@@ -176,5 +183,5 @@ def _surprises(
         put = model.rebuild(blind[frame].reshape(-1)).reshape(-1, 3)[flight.marker]
         return float(np.linalg.norm(positions[frame, flight.marker] - put))
 
-    usual = float(np.median([miss(frame) for frame in rest]))
+    usual = float(np.median([miss(frame) for frame in rest[:: 1 + len(rest) // _USUAL_FRAMES]]))
     return min(miss(frame) for frame in span) > max(settings.surprise, settings.times * usual)
