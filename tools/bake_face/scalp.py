@@ -118,7 +118,7 @@ def build_clumps(cap: Sculpt, normals: Floats, count: int, seed: int) -> Sculpt:
     across = np.cross(normal, flow)
     width = random.uniform(0.7, 1.5, count) * (1 - 0.6 * near_edge[:, 0]) * (0.7 + 0.5 * top[:, 0])
     vertices, triangles = ribbons(
-        points - 0.7 * normal, length * start, -0.20 * length * normal, across, width, steps=3
+        points - 0.7 * normal, length * start, -0.20 * length * normal, across, width, steps=2
     )
     each = len(vertices) // count
     clumps = Sculpt("hair_clumps", vertices, triangles)
