@@ -1,7 +1,7 @@
 # make demo   the main job on a fresh clone: makes the environment, speaks a sentence, shows where the results lie
 # make test   all tests (sets up what they need)
 # make check  format, lint, types, import contract
-# make sheets the pictures in docs/, make tables the tables in docs/
+# make sheets the pictures in docs/
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
-.PHONY: demo test check format wheel sheets tables clean
+.PHONY: demo test check format wheel sheets clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -51,6 +51,9 @@ format: $(VENV)/.dev
 wheel: $(VENV)/.dev
 	$(PIP) wheel --quiet --no-deps --wheel-dir dist .
 	@ls -l dist
+
+sheets: $(VENV)/.dev
+	$(BIN)/python tools/render_sheets.py --out docs/pictures
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist

@@ -11,21 +11,26 @@ A sheet is one entry of `SHEETS`; every picture in it is a `Shot`.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+import mien
 from mien.channels import ALL, ARKIT, TONGUE
 from mien.errors import unknown_name
 from mien.face.face import Face
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.files import replace_when_complete
+from mien.models.authored_expression import AuthoredExpression
+from mien.models.authored_mouth import AuthoredMouth
 from mien.render.camera import Camera
 from mien.render.renderer import Renderer
+from mien.speech.phones import phone_table
 
 JPEG_QUALITY = 86
 
@@ -42,9 +47,9 @@ class Shot:
 
 @dataclass(frozen=True)
 class Sheet:
-    """Pictures in rows of ``columns``, each ``width`` by ``height`` pixels."""
+    """Pictures in rows of ``columns``, each ``width`` by ``height`` pixels; ``shots`` is called when it is drawn."""
 
-    shots: tuple[Shot, ...]
+    shots: Callable[[], tuple[Shot, ...]]
     columns: int
     width: int
     height: int
@@ -65,9 +70,51 @@ def _shape_shot(name: str) -> Shot:
     return Shot(" + ".join(weights), weights, "mouth" if name in TONGUE else "face")
 
 
+def _two_views(name: str, weights: NDArray[np.float64], framing: str) -> tuple[Shot, Shot]:
+    pose = {channel: float(weight) for channel, weight in zip(ALL, weights, strict=True) if weight}
+    return Shot(name, pose, framing), Shot("", pose, framing, yaw=35.0)
+
+
+def _viseme_shots() -> tuple[Shot, ...]:
+    mouth = AuthoredMouth()
+    phones = {name: [p.lower() for p in sorted(phone_table()) if name in mouth.visemes_of(p)] for name in mouth.visemes}
+    rest = _two_views("rest", mouth.rest.shape, "mouth")
+    return rest + tuple(
+        shot
+        for name, viseme in mouth.visemes.items()
+        for shot in _two_views(f"{name.replace('_', ' ')}: {' '.join(phones[name])}", viseme.shape, "mouth")
+    )
+
+
+def _expression_shots() -> tuple[Shot, ...]:
+    model = AuthoredExpression()
+    return tuple(shot for name in model.names for shot in _two_views(name, model.pose(name), "face"))
+
+
+def _blink_shots() -> tuple[Shot, ...]:
+    weights = (0.0, 0.25, 0.5, 0.75, 1.0)
+    return tuple(Shot(f"{w:g}", {"eyeBlinkLeft": w, "eyeBlinkRight": w}, "eyes") for w in weights)
+
+
+def _line_shots() -> tuple[Shot, ...]:
+    """Six moments of a spoken line, as `mien say` performs it."""
+    animation = mien.say("I never said that.", emotion="angry:0.7")
+    phones = [phone for phone in animation.utterance.phones if phone.label in ("AY", "N", "V", "S", "EH", "AE")][:6]
+    rows = [(phone.label, animation.channels.values[animation.rate.nearest_frame(phone.middle)]) for phone in phones]
+    return tuple(Shot(label, dict(zip(ALL, map(float, row), strict=True)), "face") for label, row in rows)
+
+
+def _shape_shots() -> tuple[Shot, ...]:
+    return tuple(_shape_shot(name) for name in (*ARKIT, *TONGUE))
+
+
 SHEETS: dict[str, Sheet] = {
-    "neutral": Sheet((Shot(""), Shot("", yaw=38.0)), columns=2, width=560, height=640),
-    "shapes": Sheet(tuple(_shape_shot(name) for name in (*ARKIT, *TONGUE)), columns=9, width=190, height=210),
+    "neutral": Sheet(lambda: (Shot(""), Shot("", yaw=38.0)), columns=2, width=560, height=640),
+    "line": Sheet(_line_shots, columns=6, width=200, height=230),
+    "shapes": Sheet(_shape_shots, columns=9, width=190, height=210),
+    "visemes": Sheet(_viseme_shots, columns=4, width=250, height=190),
+    "expressions": Sheet(_expression_shots, columns=6, width=250, height=280),
+    "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }
 
 
@@ -75,9 +122,10 @@ def draw(face: Face, sheet: Sheet) -> Image.Image:
     """All shots of a sheet in one picture."""
     poser = Poser(face, ALL)
     renderers: dict[tuple[str, float], Renderer] = {}
-    rows = -(-len(sheet.shots) // sheet.columns)
+    shots = sheet.shots()
+    rows = -(-len(shots) // sheet.columns)
     whole = Image.new("RGB", (sheet.columns * sheet.width, rows * sheet.height))
-    for place, shot in enumerate(sheet.shots):
+    for place, shot in enumerate(shots):
         view = (shot.framing, shot.yaw)
         if view not in renderers:
             renderers[view] = _renderer(face, shot, sheet)

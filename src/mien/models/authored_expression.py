@@ -47,6 +47,12 @@ class AuthoredExpression:
         """Emotions that can be asked for."""
         return tuple(sorted(self._poses))
 
+    def pose(self, name: str) -> Floats:
+        """The full pose of an emotion, shape (channels,), in the order of `mien.channels.ALL`."""
+        if name not in self._poses:
+            raise unknown_name("emotion", name, self.names)
+        return self._poses[name].copy()
+
     def check(self, score: Score) -> None:
         """Refuse a score that asks for an emotion this performer does not have.
 
@@ -56,8 +62,7 @@ class AuthoredExpression:
             Naming the nearest emotion that exists.
         """
         for span in score.emotions:
-            if span.name not in self._poses:
-                raise unknown_name("emotion", span.name, self.names)
+            self.pose(span.name)
 
     def perform(self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator) -> Floats:
         """Expression channels, shape (frames, channels), for every frame that covers ``duration`` seconds."""

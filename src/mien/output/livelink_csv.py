@@ -24,7 +24,7 @@ from mien.tracks import ChannelTrack
 
 __all__ = ["COLUMNS", "EYE_DEGREES", "read_livelink", "write_livelink"]
 
-EYE_DEGREES: dict[str, float] = {"Up": 25.0, "Down": 28.0, "In": 33.0, "Out": 33.0}
+EYE_DEGREES: dict[str, float] = {"Up": 18.0, "Down": 24.0, "In": 28.0, "Out": 30.0}
 """How far an eye turns at weight 1 of its eyeLook channels, degrees. Authored, not measured: a CSV knows no face."""
 
 
