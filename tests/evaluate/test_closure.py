@@ -83,3 +83,11 @@ def test_a_frame_that_was_not_seen_is_not_shut() -> None:
 def test_other_lengths_are_refused() -> None:
     with pytest.raises(InputError, match="one lip opening for each time"):
         closure_counts(np.zeros(3), TIMES, phones("AA"))
+
+
+def test_a_bilabial_of_the_next_word_is_not_asked_for() -> None:
+    tier = Tier("phones", (Interval(0, 0.385, "AA"), Interval(0.385, 0.395, "B"), Interval(0.395, 0.6, "AA")))
+    first, second = TIMES < 0.385, TIMES >= 0.385
+    assert closure_counts(shut(), TIMES, tier, first).bilabials == 0
+    assert closure_counts(shut(), TIMES, tier, second).bilabials == 0  # too short to hold a frame of either
+    assert closure_counts(shut(), TIMES, tier, first | second).bilabials == 1

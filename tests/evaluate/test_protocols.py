@@ -105,7 +105,8 @@ def test_the_table_names_rows_units_and_what_cannot_be_told(random_evaluation: E
     assert "| model | RMS (mm) | opening r |" in text
     assert "Learned from 14 takes, scored on 2." in text
     own = random_evaluation.scores[RECORDING]["closure_f1"].value
-    assert f"Closure F1 as a share of the recording's own ({own:.2f}): other repetitions " in text
+    asked = f"Closures: {random_evaluation.bilabials} bilabials asked for"
+    assert f"{asked}; F1 as a share of the recording's own ({own:.2f}): other repetitions " in text
 
 
 def test_a_section_is_replaced_in_place_and_the_rest_is_kept(tmp_path: Path) -> None:

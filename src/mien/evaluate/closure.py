@@ -99,7 +99,7 @@ def closure_counts(
     phones : Tier
         ARPAbet phones without stress, pauses as ``SIL``.
     counted : ndarray of bool, shape (frames,), or None
-        Score inside these frames only: bilabials whose middle lies nearest to one of them, shut frames among them.
+        Score inside these frames only: bilabials that lie in them whole, shut frames among them.
 
     Raises
     ------
@@ -123,13 +123,20 @@ def closure_counts(
     near = _within(times, counting, TOLERANCE)
     beside_pause = _within(times, [p for p in every if p not in counting], TOLERANCE) & ~near
     judged = shut & speech & inside & ~beside_pause
-    asked = [p for p in counting if len(times) and inside[np.abs(times - p.middle).argmin()]]
+    asked = [p for p in counting if inside[_frames_of(p, times)].all()]
     return ClosureCounts(
         bilabials=len(asked),
         found=sum(bool((shut & _within(times, [p], TOLERANCE)).any()) for p in asked),
         closed_frames=int(judged.sum()),
         right_frames=int((judged & near).sum()),
     )
+
+
+def _frames_of(phone: Interval, times: Array) -> NDArray[np.int64]:
+    """Frames inside a phone; if it is too short to hold one, the frames before and after it."""
+    first, after = (int(np.searchsorted(times, instant - 1e-9)) for instant in (phone.start, phone.end))
+    first, after = (first, after) if first < after else (first - 1, after + 1)
+    return np.arange(max(first, 0), min(after, len(times)))
 
 
 def _within(times: Array, intervals: list[Interval], margin: float) -> NDArray[np.bool_]:

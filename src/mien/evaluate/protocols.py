@@ -32,7 +32,7 @@ __all__ = [
 RECORDING = "recording"
 """Row in which the recording is scored against itself: the yardstick for closures and jitter."""
 REPETITIONS = "other repetitions"
-"""Row in which the words are told from the other takes that say them: about the best that phones and times allow."""
+"""Row in which the words are told from the other takes that say them: a yardstick, though no bound."""
 YARDSTICKS = (RECORDING, REPETITIONS)
 ENOUGH_REPEATED = 0.9
 """Share of the scored takes whose words other takes must repeat for that row to mean anything."""
@@ -64,8 +64,8 @@ class Evaluation:
         Whether frames were pooled (unseen words) or takes averaged.
     folds : tuple of Fold
         Empty for a finished performer.
-    takes, frames : int
-        Takes and frames that were scored.
+    takes, frames, bilabials : int
+        Takes and frames that were scored, and bilabials that were asked for.
     upper_face : tuple of (float, float), or None
         Upper-face dynamics deviation, signed and absolute, of a face whose upper part does not move, mm: what every
         model of the mouth alone gets. None where no upper-face marker was recorded.
@@ -78,6 +78,7 @@ class Evaluation:
     folds: tuple[Fold, ...]
     takes: int
     frames: int
+    bilabials: int
     upper_face: tuple[float, float] | None
     traces: tuple[Trace, ...]
     notes: tuple[Note, ...] = ()
@@ -241,6 +242,7 @@ def _finished(
         folds=folds,
         takes=len(rows),
         frames=int(sum(t["lips"][1] for t in rows.values())),
+        bilabials=int(sum(t["closure"][0] for t in rows.values())),
         upper_face=_still_upper_face([ready[name] for name in sorted(rows)]),
         traces=tuple(traces),
         notes=notes,

@@ -1,8 +1,9 @@
-"""What the recordings themselves can promise: a word's motion told from the other times it was said.
+"""How far the recordings themselves go: a word's motion told from the other times it was said.
 
-No model that is given phones and their times alone can know how this repetition of a word differs from the others;
-the mean of the others, brought to this one's phone times, is about the best that one could do. It uses takes of the
-test, so it is a yardstick and no contender.
+A model that is given phones and their times alone cannot know how this repetition of a word differs from the others.
+Here the word is told as the mean of the others, brought to this one's phone times. It uses takes of the test, so it
+is a yardstick and no contender; and no bound: a few repetitions make a rough mean, and a model that draws on all takes
+can do better.
 """
 
 from __future__ import annotations

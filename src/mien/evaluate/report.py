@@ -77,7 +77,8 @@ def _closure_line(evaluation: Evaluation) -> str:
         for model, scores in evaluation.scores.items()
         if model != RECORDING
     ]
-    return f"Closure F1 as a share of the recording's own ({own:.2f}): {', '.join(shares)}."
+    asked = f"{evaluation.bilabials} bilabials asked for"
+    return f"Closures: {asked}; F1 as a share of the recording's own ({own:.2f}): {', '.join(shares)}."
 
 
 def _upper_face_line(evaluation: Evaluation) -> list[str]:
