@@ -112,7 +112,7 @@ def remove_spikes(track: MarkerTrack, settings: SpikeSettings | None = None) -> 
 def _flights(positions: NDArray[np.float64], settings: SpikeSettings, fps: float) -> list[_Flight]:
     """Runs of frames in which a marker is off its path and back again, the highest first."""
     longest = min(max(1, round(settings.longest * fps)), len(positions) - 2)
-    # A marker that never goes half the jump from one frame to the next cannot be off a line between frames by all of it.
+    # A marker that never goes half the jump from one frame to the next cannot be off a line between frames by all.
     steps = np.nan_to_num(np.linalg.norm(np.diff(positions, axis=0), axis=2)).max(axis=0)
     able = np.flatnonzero(2 * steps >= settings.jump)
     found = []
