@@ -113,11 +113,11 @@ def placed(shape: Floats, face: Face, chart: dict[str, dict[str, int]]) -> dict[
         centre, *ring = IRISES[eye.side.lower()]
         ball = face.part(eye.part).vertices.astype(np.float64)
         radius = float((ball[:, 2] - eye.centre[2]).max())
-        places[centre] = np.array(eye.centre) + [0.0, 0.0, radius]
+        places[centre] = np.array(eye.centre) + np.array([0.0, 0.0, radius])
         for number in ring:
             away = shape[order.index(number)] - shape[order.index(centre)]
             step = away[:2] / np.linalg.norm(away[:2]) * 6.0  # mm; half the width of an iris
-            places[number] = np.array(eye.centre) + [*step, np.sqrt(radius**2 - 36.0)]
+            places[number] = np.array(eye.centre) + np.array([*step, np.sqrt(radius**2 - 36.0)])
     return places
 
 

@@ -90,7 +90,7 @@ def _check(options: argparse.Namespace) -> int:
     with _Bar("takes", options.quiet) as bar:
         result = check_corpus(corpus, bar)
     print(result)
-    return 1 if result.faults else 0
+    return 1 if any(fault.sure for fault in result.faults) else 0
 
 
 def _show(options: argparse.Namespace) -> int:

@@ -29,15 +29,20 @@ _LENGTHS_AGREE = 0.25  # seconds
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing wrong with a take; ``frame`` is None where it concerns all of it."""
+    """One thing wrong with a take, or (``sure`` is False) one that should be looked at.
+
+    ``frame`` is None where it concerns the whole take.
+    """
 
     name: str
     file: str
     frame: int | None
     message: str
+    sure: bool = True
 
     def __str__(self) -> str:
-        return f"{self.file}" + ("" if self.frame is None else f", frame {self.frame}") + f": {self.message}"
+        kind = "fault" if self.sure else "doubt"
+        return f"{kind}: {self.file}" + ("" if self.frame is None else f", frame {self.frame}") + f": {self.message}"
 
 
 @dataclass
@@ -114,14 +119,15 @@ class CorpusCheck:
             ("emotions", _counted(self.emotions)),
             ("sentences in several emotions", str(linked)),
             ("speakers", _counted(self.speakers)),
-            ("faults", str(len(self.faults))),
+            ("faults", str(sum(fault.sure for fault in self.faults))),
+            ("doubts", str(sum(not fault.sure for fault in self.faults))),
         ]
 
     def __str__(self) -> str:
         rows = self.rows()
         width = max(len(name) for name, _ in rows)
         lines = [f"{name.ljust(width)}  {value}" for name, value in rows]
-        return "\n".join(lines + [f"fault: {fault}" for fault in self.faults])
+        return "\n".join(lines + [str(fault) for fault in sorted(self.faults, key=lambda fault: not fault.sure)])
 
 
 def check_corpus(corpus: Corpus, progress: Callable[[int, int], None] | None = None) -> CorpusCheck:
@@ -149,7 +155,7 @@ def check_corpus(corpus: Corpus, progress: Callable[[int, int], None] | None = N
 def faults_of(take: Take, digest: str = "") -> list[Fault]:
     """What is wrong with one take."""
     motion, sound = f"motion/{take.name}.npz", f"audio/{take.name}.flac"
-    faults = [Fault(take.name, sound, None, warning) for warning in _split(take.source.get("warnings", ""))]
+    faults = [Fault(take.name, sound, None, warning, sure=False) for warning in _split(take.source.get("warnings", ""))]
     if digest and digest_of(take) != digest:
         faults.append(Fault(take.name, motion, None, "sound or motion changed since the import; import it again"))
     positions = take.markers.positions

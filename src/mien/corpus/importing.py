@@ -112,7 +112,7 @@ def import_corpus(
     notes += unused_rows(said, found, takes) + more
     takes = {name: recording for name, recording in takes.items() if name in facts}
     corpus = _created(folder, chosen)
-    shared = references(takes, facts, chosen, corpus)
+    shared = references(takes, facts, chosen, corpus, apart=workers != 0)
     if corpus.about.get("layout") != shared.layout:
         corpus.describe(layout=shared.layout)
     jobs = jobs_for(takes, facts, chosen, shared.frames, corpus, source)

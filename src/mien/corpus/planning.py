@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -17,7 +17,8 @@ from mien.corpus.preparing import Job, layout_for
 from mien.corpus.readers import Found, reader_named
 from mien.corpus.recipes import FIELDS, Recipe
 from mien.corpus.settling import reference_of
-from mien.errors import InputError, MienError, Note
+from mien.corpus.workers import each
+from mien.errors import InputError, Note
 from mien.files import replace_when_complete
 
 __all__ = ["Failure", "References", "facts_of", "jobs_for", "named", "references", "unused_rows"]
@@ -136,9 +137,16 @@ def _fingerprint(recording: Found, recipe: Recipe, facts: Mapping[str, str], ref
 
 
 def references(
-    takes: Mapping[str, Found], facts: Mapping[str, Mapping[str, str]], recipe: Recipe, corpus: Corpus
+    takes: Mapping[str, Found],
+    facts: Mapping[str, Mapping[str, str]],
+    recipe: Recipe,
+    corpus: Corpus,
+    apart: bool = True,
 ) -> References:
-    """Choose a reference frame for each new speaker; once chosen they stay, in ``reference.npz``."""
+    """Choose a reference frame for each new speaker; once chosen they stay, in ``reference.npz``.
+
+    Recordings are read in a process of its own if ``apart``: a decoder that crashes on a damaged one costs no more.
+    """
     path = corpus.folder / "reference.npz"
     speakers: dict[str, list[str]] = {}
     for name in sorted(takes):
@@ -150,7 +158,7 @@ def references(
         if speaker in frames:
             continue
         try:
-            frame, found_layout = _choose_reference([takes[name] for name in names], recipe, speaker)
+            frame, found_layout = _chosen_apart(Choice([takes[name] for name in names], recipe, speaker), apart)
             if layout and layout != found_layout:
                 raise InputError(f"speaker {speaker!r} has markers of layout {found_layout}, others of {layout}")
         except InputError as problem:
@@ -171,18 +179,33 @@ def _read_references(path: Path) -> dict[str, Floats]:
         raise InputError(f"{path}: damaged ({problem}); delete it and import again") from problem
 
 
-def _choose_reference(recordings: Sequence[Found], recipe: Recipe, speaker: str) -> tuple[Floats, str]:
-    """From the first recording that can be read."""
-    problem: MienError | None = None
-    for recording in recordings[:_TRIED_FOR_REFERENCE]:
-        try:
-            raw = reader_named(recipe.reader).read(recording, recipe)
-            layout = layout_for(recipe, raw, str(recording.motion))
-            return reference_of(raw, recipe, layout, str(recording.motion)), layout.name
-        except InputError as failure:
-            problem = problem or failure
-    if len(recordings) == 1:
+@dataclass(frozen=True)
+class Choice:
+    """Recordings of one speaker, to choose a reference frame from."""
+
+    recordings: Sequence[Found]
+    recipe: Recipe
+    speaker: str
+
+
+def _chosen_apart(choice: Choice, apart: bool) -> tuple[Floats, str]:
+    """From the first recording that can be used."""
+    problem: BaseException | None = None
+    tries = [replace(choice, recordings=[recording]) for recording in choice.recordings[:_TRIED_FOR_REFERENCE]]
+    for one in tries:
+        _, result = next(iter(each(choose_reference, [one], 1 if apart else 0)))
+        if not isinstance(result, BaseException):
+            return result
+        problem = problem or result
+    if len(choice.recordings) == 1:
         raise InputError(str(problem))
-    tried = min(len(recordings), _TRIED_FOR_REFERENCE)
-    whose = f" of speaker {speaker!r}" if speaker else ""
-    raise InputError(f"none of the first {tried} recordings{whose} can be used; the first: {problem}")
+    whose = f" of speaker {choice.speaker!r}" if choice.speaker else ""
+    raise InputError(f"none of the first {len(tries)} recordings{whose} can be used; the first: {problem}")
+
+
+def choose_reference(choice: Choice) -> tuple[Floats, str]:
+    """The reference frame in one recording, and its layout."""
+    recording, recipe = choice.recordings[0], choice.recipe
+    raw = reader_named(recipe.reader).read(recording, recipe)
+    layout = layout_for(recipe, raw, str(recording.motion))
+    return reference_of(raw, recipe, layout, str(recording.motion)), layout.name

@@ -7,6 +7,7 @@ with a negative residual, or exactly at the origin, was not seen.
 from __future__ import annotations
 
 import re
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -78,8 +79,7 @@ def _value(content: Any, group: str, name: str, default: Any) -> Any:
 def _points(path: Path, content: Any, labels: int) -> NDArray[np.float64]:
     """Positions, shape (frames, points, 3), NaN where unseen."""
     points: NDArray[np.float64] = np.asarray(content["data"]["points"], dtype=np.float64)
-    header = content["header"]["points"]
-    promised = int(header["last_frame"]) - int(header["first_frame"]) + 1
+    promised = _promised_frames(path)
     if points.shape[1] == 0 or points.shape[2] == 0:
         raise InputError(f"{path}: holds no marker motion ({points.shape[1]} points, {points.shape[2]} frames)")
     if points.shape[2] < promised:
@@ -92,6 +92,14 @@ def _points(path: Path, content: Any, labels: int) -> NDArray[np.float64]:
     residuals = np.asarray(content["data"]["meta_points"]["residuals"])[0].T
     positions[(residuals < 0) | (positions == 0).all(axis=2)] = np.nan
     return positions
+
+
+def _promised_frames(path: Path) -> int:
+    """Frames that the header speaks of (65535 at most); the library counts only those that are there."""
+    head = path.read_bytes()[: 512 * 256]
+    processor = head[(head[0] - 1) * 512 + 3] if len(head) > (head[0] - 1) * 512 + 3 else 84
+    first, last = struct.unpack(">HH" if processor == 86 else "<HH", head[6:10])
+    return int(last - first + 1)
 
 
 def _rate(path: Path, content: Any, recipe: Recipe) -> FrameRate:
