@@ -1,0 +1,185 @@
+"""`SpeechMotion`: phones in, mouth markers out; the learned mouth that ships.
+
+Influence curves (`influence`) carry the motion and can be looked at and edited; a small network (`correction`) adds a
+share of the difference between its own answer and theirs; closures are then held (`lip_closure`). On words that were
+never learned the two together are better than either alone (docs/results.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.corpus.take import Take
+from mien.errors import InputError
+from mien.models.articulation import articulation_table, parts_of
+from mien.models.correction import Correction, CorrectionSettings
+from mien.models.coverage import Coverage, Evidence
+from mien.models.em_pca import EMPCA
+from mien.models.influence import REFERENCE_DURATION, InfluenceCurves, InfluenceSettings, describe_parts
+from mien.models.lip_closure import LipClosure, find_lips
+from mien.models.recorded_mouths import only_mouth, recorded_mouths
+from mien.timeline import Tier
+
+__all__ = ["SpeechMotion", "SpeechMotionSettings"]
+
+MARGIN = 0.12
+"""Seconds before and after speech that are learned with it."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SpeechMotionSettings:
+    """Settings of `SpeechMotion`.
+
+    Attributes
+    ----------
+    components : int
+        Dimensions of the pose space.
+    correction_share : float
+        Weight of the network against the influence curves, 0..1; 0 leaves the explicit curves alone.
+    hold_closures : bool
+        Whether the lips are drawn shut at bilabials after synthesis.
+    influence : InfluenceSettings
+    correction : CorrectionSettings
+    """
+
+    components: int = 8
+    correction_share: float = 0.6
+    hold_closures: bool = True
+    influence: InfluenceSettings = field(default_factory=InfluenceSettings)
+    correction: CorrectionSettings = field(default_factory=CorrectionSettings)
+
+
+class SpeechMotion:
+    """Mouth motion from phones, learned from recorded takes.
+
+    Parameters
+    ----------
+    settings : SpeechMotionSettings
+
+    Attributes
+    ----------
+    markers_ : tuple of str
+        Names of the mouth markers, in the order of what `synthesise` returns.
+    layout_ : str
+        Marker layout of the takes.
+    space_ : EMPCA
+    curves_ : InfluenceCurves
+    correction_ : Correction or None
+        None if its share is 0.
+    closure_ : LipClosure
+    coverage_ : Coverage
+    edits_ : dict of str to ndarray, shape (parts, strands)
+        What `with_key_shape` added to the targets of a phone.
+    """
+
+    def __init__(self, settings: SpeechMotionSettings | None = None) -> None:
+        self.settings = settings or SpeechMotionSettings()
+        self.edits_: dict[str, Floats] = {}
+
+    def fit(self, takes: Sequence[Take]) -> Self:
+        """Learn from takes; other markers than those of the mouth are left out.
+
+        Raises
+        ------
+        InputError
+            If there is no take, the takes do not share their markers, or none has a frame with speech.
+        """
+        if not takes:
+            raise InputError("no take to learn from")
+        takes = [only_mouth(take) for take in takes]
+        mouths = recorded_mouths(takes, MARGIN)
+        self.markers_, self.layout_ = takes[0].markers.names, takes[0].layout
+        self.space_ = EMPCA(self.settings.components).fit(np.concatenate([mouth.positions for mouth in mouths]))
+        components = self.space_.encode(np.concatenate([mouth.positions for mouth in mouths]))
+        curves = InfluenceCurves(self.settings.influence)
+        self.curves_ = curves.fit([curves.place(mouth.phones, mouth.times) for mouth in mouths], components)
+        self.correction_: Correction | None = None
+        if self.settings.correction_share > 0:
+            correction = Correction(self.settings.correction)
+            seen = np.concatenate([correction.describe(mouth.phones, mouth.times) for mouth in mouths])
+            self.correction_ = correction.fit(seen, components)
+        self.closure_ = LipClosure(find_lips(self.layout_, self.markers_)).fit(mouths)
+        self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
+        return self
+
+    def synthesise(self, phones: Tier, times: Floats) -> Floats:
+        """Positions of the mouth markers.
+
+        Parameters
+        ----------
+        phones : Tier
+            ARPAbet phones without stress, pauses as ``SIL``; outside it there is silence.
+        times : ndarray, shape (frames,)
+            Seconds.
+
+        Returns
+        -------
+        ndarray, shape (frames, markers, 3)
+            Millimetres, in the axes of the takes.
+
+        Raises
+        ------
+        InputError
+            If a label is no phone.
+        """
+        times = np.asarray(times, dtype=np.float64)
+        positions = self.space_.decode(self._components(phones, times)).reshape(len(times), -1, 3)
+        return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
+
+    def _components(self, phones: Tier, times: Floats) -> Floats:
+        parts = self.curves_.place(phones, times)
+        learned = self.curves_.components(parts)
+        share = self.settings.correction_share
+        answer = learned
+        if self.correction_ is not None:
+            seen = self.correction_.describe(phones, times)
+            answer = learned + share * (self.correction_.components(seen) - learned)
+        if self.edits_:
+            answer = answer + self.curves_.components(parts, self._offsets(phones, len(parts.described))) - learned
+        return answer
+
+    def _offsets(self, phones: Tier, described: int) -> Floats:
+        """Edits of each part that pulls, shape (parts, strands)."""
+        offsets = np.zeros((described, self.settings.influence.strands))
+        table, parts = articulation_table(), parts_of(phones)
+        ahead = self.settings.influence.neighbours
+        for place, (symbol, phone) in enumerate(zip(parts.symbols, parts.phones, strict=True)):
+            label = phones.intervals[phone].label if phone >= 0 else ""
+            if label in self.edits_:
+                offsets[ahead + place] = self.edits_[label][table.parts[label].index(int(symbol))]
+        return offsets
+
+    def evidence(self, phones: Tier) -> tuple[Evidence, ...]:
+        """For each pair of neighbouring phones, what was heard of it in learning."""
+        return self.coverage_.of_pairs([phone.label for phone in phones])
+
+    def key_shapes(self, phone: str, duration: float = REFERENCE_DURATION) -> Floats:
+        """Where a phone pulls the mouth: one shape for each of its parts, shape (parts, markers, 3), mm."""
+        symbols = np.array(articulation_table().parts[phone])
+        described = describe_parts(symbols, np.full(len(symbols), duration), self.settings.influence.phone_weight)
+        targets = self.curves_.curves(described)[:, 0]
+        if phone in self.edits_:
+            targets = targets + self.edits_[phone]
+        return self.space_.decode(targets @ self.curves_.shapes_).reshape(len(symbols), -1, 3)
+
+    def with_key_shape(self, phone: str, shapes: Floats) -> SpeechMotion:
+        """The same model with the target of a phone moved to given shapes, shape (parts, markers, 3), mm.
+
+        What lies outside the pose space is lost; the influence curves stay as they are.
+        """
+        wanted = np.asarray(shapes, dtype=np.float64)
+        now = self.key_shapes(phone)
+        if wanted.shape != now.shape:
+            raise InputError(f"the key shapes of {phone} have shape {now.shape}, not {wanted.shape}")
+        change = (wanted - now).reshape(len(now), -1) @ self.space_.axes_.T @ np.linalg.pinv(self.curves_.shapes_)
+        edited = copy(self)
+        edited.edits_ = self.edits_ | {phone: self.edits_.get(phone, 0.0) + change}
+        return edited
