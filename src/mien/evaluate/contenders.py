@@ -8,12 +8,17 @@ from mien.errors import unknown_name
 from mien.evaluate.baselines import Cosine, MeanPose, Model, Ridge
 from mien.evaluate.dominance import Dominance
 from mien.evaluate.perceptron import Perceptron
+from mien.models.coarticulation import Coarticulation, CoarticulationSettings
+from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
 __all__ = ["contenders"]
 
 
 def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False) -> dict[str, Callable[[], Model]]:
-    """Makers of untrained models, in the order of the table.
+    """Makers of untrained models, in the order of the table: baselines, then what mien learns.
+
+    ``diphones`` and ``triphones`` are Deng et al.'s model as published; ``influence curves`` are the explicit part of
+    ``speech motion``, which ships.
 
     Parameters
     ----------
@@ -39,6 +44,10 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
         "dominance": Dominance,
         "ridge": lambda: Ridge(reach),
         "perceptron": lambda: Perceptron(reach=reach),
+        "diphones": lambda: Coarticulation(CoarticulationSettings(triphones=False)),
+        "triphones": Coarticulation,
+        "influence curves": lambda: SpeechMotion(SpeechMotionSettings(correction_share=0.0)),
+        "speech motion": SpeechMotion,
     }
     if names is None:
         return every
