@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mien.audio import Audio
 from mien.corpus.checking import check_corpus
 from mien.corpus.corpus import Corpus
 from mien.corpus.importing import import_corpus
 from mien.corpus.picture import draw_take
+from mien.corpus.take import Take
 from mien.errors import OutputError
+from mien.timeline import Interval, Tier
 from mien.tracks import MarkerTrack
 from tests.corpus import recordings as made
 
@@ -95,3 +98,37 @@ def test_the_picture_shows_sound_phones_and_motion(imported: Corpus, tmp_path: P
     assert blue_with_hole[columns].sum() < blue[columns].sum() / 4
     with pytest.raises(OutputError, match=r"is a \.png"):
         draw_take(take, tmp_path / "a.jpg")
+
+
+def babble(name: str, seed: int, late: float) -> Take:
+    """A take whose loudness is the opening of its lips, the motion ``late`` seconds behind."""
+    random = np.random.default_rng(seed)
+    knots = np.abs(random.normal(0, 6, 16))
+    seconds = 4.0
+    tone = np.arange(round(seconds * 16_000)) / 16_000
+    loud = np.interp(tone, np.linspace(0, seconds, 16), knots)
+    frames = np.arange(round(seconds * 60)) / 60 - late
+    places = made.LAYOUT.places.copy()
+    places[made.LAYOUT.index(["8.2"]), 1] = places[made.LAYOUT.index(["8.1"]), 1]
+    positions = np.tile(places, (len(frames), 1, 1))
+    positions[:, made.LAYOUT.index(["8.2"]), 1] -= np.interp(frames, np.linspace(0, seconds, 16), knots)[:, None]
+    return Take(
+        name=name,
+        audio=Audio(loud / 40 * np.sin(2 * np.pi * 200 * tone), 16_000),
+        markers=MarkerTrack(made.LAYOUT.markers, positions, made.RATE),
+        text="a",
+        words=Tier("words", ()),
+        phones=Tier("phones", (Interval(0, seconds, "AA"),)),
+        layout="mpeg4-32",
+    )
+
+
+@pytest.mark.parametrize(("late", "doubted"), [(0.12, True), (0.0, False)])
+def test_motion_that_is_late_is_doubted(tmp_path: Path, late: float, doubted: bool) -> None:
+    corpus = Corpus.create(tmp_path / "c", {"layout": "mpeg4-32"})
+    for seed in range(6):
+        corpus.add(babble(f"take{seed}", seed, late))
+    check = check_corpus(corpus)
+    assert check.lag is not None
+    assert check.lag.seconds == pytest.approx(late, abs=0.015)
+    assert any("did both start together?" in str(fault) for fault in check.faults) == doubted

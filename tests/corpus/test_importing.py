@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +121,23 @@ def test_a_stopped_run_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.
     assert contents(out) == contents(tmp_path / "at_once")
     monkeypatch.setattr("mien.corpus.importing.prepare_and_write", None)  # nothing is made again
     assert import_corpus(source, out, workers=0).kept == ("a", "b", "c")
+
+
+def test_a_killed_run_leaves_no_process_and_goes_on(tmp_path: Path) -> None:
+    names = tuple("abcdefghij")
+    source, out = session(tmp_path / "in", names), tmp_path / "out"
+    command = [sys.executable, "-m", "mien", "corpus", "import", str(source), "-o", str(out), "--workers", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+        journal = out / "importing.jsonl"
+        while run.poll() is None and not (journal.exists() and journal.read_text(encoding="utf-8").count("\n") >= 2):
+            time.sleep(0.01)
+        run.kill()
+        run.communicate()  # ends only when no worker holds the pipes any more
+    report = import_corpus(source, out, workers=0)
+    assert len(report.kept) >= 2
+    assert sorted(report.kept + report.imported) == list(names)
+    import_corpus(source, tmp_path / "at_once", workers=0)
+    assert contents(out) == contents(tmp_path / "at_once")
 
 
 def test_a_take_is_made_again_when_its_files_or_settings_change(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ def add_corpus_commands(commands: Any) -> None:
 
     tracker = commands.add_parser("tracker", help="the face tracker that turns video into landmarks")
     actions = tracker.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=type(tracker))
-    install = actions.add_parser("install", help="make its environment with pip (about 360 MB, once)")
+    install = actions.add_parser("install", help="make its environment with pip (about 430 MB, once)")
     install.set_defaults(run=_install_tracker)
 
 

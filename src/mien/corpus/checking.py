@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.corpus.cleaning.lag import Lag, lag_from_sound
 from mien.corpus.corpus import Corpus, digest_of
 from mien.corpus.take import Take
 from mien.errors import InputError
 from mien.speech.phones import phone_table
 from mien.speech.plausibility import LOWEST_RUN_SCORE
+from mien.tracks import MarkerTrack
 
 __all__ = ["CorpusCheck", "Fault", "check_corpus", "faults_of"]
 
@@ -25,6 +27,11 @@ FASTEST = 1500.0
 """mm/s; no part of a speaking face is faster, in the axes of the head."""
 _LEAST_JUMP = 12.0  # mm between two frames; below it speed is noise
 _LENGTHS_AGREE = 0.25  # seconds
+LATEST = 0.06
+"""Seconds that the motion may be before or behind the sound; ITU-R BT.1359 finds 45 ms early sound detectable."""
+_SURE = 0.95
+_TAKES_FOR_LAG = 40
+_LIPS = (("2.2", "2.3"), ("8.1", "8.2"))
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,8 @@ class CorpusCheck:
         Takes of each.
     emotions_of_sentence : mapping of str to set of str
         Emotions in which each sentence was said.
+    lag : Lag or None
+        Of the motion behind the sound, over some of the takes; None where it cannot be known.
     faults : list of Fault
     """
 
@@ -85,6 +94,7 @@ class CorpusCheck:
     emotions: Counter[str] = field(default_factory=Counter)
     speakers: Counter[str] = field(default_factory=Counter)
     emotions_of_sentence: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    lag: Lag | None = None
     faults: list[Fault] = field(default_factory=list)
 
     def rows(self) -> list[tuple[str, str]]:
@@ -116,6 +126,7 @@ class CorpusCheck:
                 if len(score)
                 else "nothing was aligned",
             ),
+            ("motion behind sound", _said(self.lag)),
             ("emotions", _counted(self.emotions)),
             ("sentences in several emotions", str(linked)),
             ("speakers", _counted(self.speakers)),
@@ -148,6 +159,10 @@ def check_corpus(corpus: Corpus, progress: Callable[[int, int], None] | None = N
             check.faults.append(Fault(name, f"motion/{name}.npz", None, f"the same recording as {twin}; keep one"))
         if progress is not None:
             progress(number, len(corpus))
+    check.lag = _lag(corpus)
+    if check.lag is not None and check.lag.confidence >= _SURE and abs(check.lag.seconds) > LATEST:
+        message = f"the motion is {1000 * check.lag.seconds:+.0f} ms behind the sound: did both start together?"
+        check.faults.append(Fault("", "all takes", None, message, sure=False))
     check.faults += _refused(corpus.folder / "refused.jsonl")
     return check
 
@@ -207,6 +222,33 @@ def _count(check: CorpusCheck, take: Take, entry: dict[str, Any]) -> None:
     check.speakers[take.speaker or "(not named)"] += 1
     if take.sentence:
         check.emotions_of_sentence[take.sentence].add(take.emotion)
+
+
+def _lag(corpus: Corpus) -> Lag | None:
+    """Lag of the motion, from takes evenly spread over the corpus; faulty ones are passed over."""
+    names = corpus.names[:: max(1, len(corpus) // _TAKES_FOR_LAG)][:_TAKES_FOR_LAG]
+    tracks, sounds = [], []
+    for name in names:
+        try:
+            take = corpus.take(name)
+        except InputError:
+            continue  # it is among the faults already
+        lips = next((pair for pair in _LIPS if set(pair) <= set(take.markers.names)), None)
+        if lips is not None:
+            index = [take.markers.names.index(lip) for lip in lips]
+            tracks.append(MarkerTrack(("upper", "lower"), take.markers.positions[:, index], take.markers.rate))
+            sounds.append(take.audio)
+    try:
+        return lag_from_sound(tracks, sounds, ("upper", "lower"))
+    except InputError:
+        return None  # no lips, or lips that do not move
+
+
+def _said(lag: Lag | None) -> str:
+    if lag is None:
+        return "not known"
+    spread = "" if np.isnan(lag.error) else f" ± {1000 * lag.error:.0f}"
+    return f"{1000 * lag.seconds:+.0f}{spread} ms" + ("" if lag.confidence >= _SURE else " (may be chance)")
 
 
 def _refused(path: Path) -> list[Fault]:

@@ -72,7 +72,7 @@ def tracker_python() -> Path:
 
 
 def install_tracker(folder: Path | None = None) -> Path:
-    """Make the tracker's environment with pip (about 360 MB) and try it on an empty picture; returns its folder.
+    """Make the tracker's environment with pip (about 430 MB) and try it on an empty picture; returns its folder.
 
     Raises
     ------
