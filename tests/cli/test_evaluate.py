@@ -48,6 +48,7 @@ def test_named_takes_and_words(folder: Path, tmp_path: Path, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
+        ([], "learning afresh needs --protocol random or --protocol leave-words-out"),
         (["--protocol", "random", "--words", "LIST"], "--words is for --protocol leave-words-out"),
         (["--protocol", "leave-words-out", "--test-names", "LIST"], "--test-names is for --protocol random"),
         (["--protocol", "random", "--test-names", "LIST", "--folds", "2"], "--folds deals the test at random"),
@@ -75,6 +76,43 @@ def test_bad_input_is_told_in_one_line(
     assert err.count("\n") == 1
 
 
+def test_a_second_corpus_is_for_a_performer(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["evaluate", str(folder), "other", "--protocol", "random"]) == 2
+    assert "other: a second corpus is for a performer" in capsys.readouterr().err
+
+
 def test_a_folder_that_is_no_corpus_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert evaluate(tmp_path, "--protocol", "random") == 2
     assert "mien corpus import" in capsys.readouterr().err
+
+
+def test_a_performer_needs_held_out_takes_and_no_protocol(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    performer = str(tmp_path / "anna.mien")
+    assert main(["evaluate", performer]) == 2
+    assert "name the corpus of held-out takes too" in capsys.readouterr().err
+    assert main(["evaluate", performer, "held", "--folds", "2"]) == 2
+    assert "--folds is for learning afresh" in capsys.readouterr().err
+    assert main(["evaluate", performer, "held"]) == 2
+    assert "no such file" in capsys.readouterr().err
+
+
+def test_a_learned_performer_is_scored_on_held_out_takes_only(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mien.corpus.corpus import Corpus
+    from mien.models.learning import learn
+    from mien.models.performer_file import save_learned
+
+    made = Corpus(folder)
+    performer = tmp_path / "anna.mien"
+    save_learned(learn([made.take(name) for name in made.names[:8]], name="anna"), performer)
+    held = Corpus.create(tmp_path / "held", {"layout": "mediapipe-218"})
+    for name in made.names[8:12]:
+        held.add(made.take(name))
+    assert main(["evaluate", str(performer), str(held.folder)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("### Performer anna on held-out takes\n\n4 takes, ")
+    assert "| speech motion |" in out
+    held.add(made.take(made.names[2]))
+    assert main(["evaluate", str(performer), str(held.folder)]) == 2
+    assert f"was learned from takes of {held.folder}: {made.names[2]}; score it on takes" in capsys.readouterr().err

@@ -14,7 +14,7 @@ from mien.evaluate.plot import draw_trajectories, write_trajectories
 from mien.evaluate.protocols import RECORDING, REPETITIONS, Evaluation, evaluate_folds, evaluate_performer, recordings
 from mien.evaluate.report import markdown, put_section
 from mien.evaluate.splits import Fold, named_fold, words_fold
-from tests.evaluate.synthetic import corpus, spoken
+from tests.evaluate.synthetic import MOUTH, corpus, spoken
 
 QUICK = contenders(["mean pose", "cosine", "ridge"])
 
@@ -66,22 +66,38 @@ def test_the_same_seed_gives_the_same_evaluation(made: Corpus, random_evaluation
     assert markdown(again, "#") == markdown(random_evaluation, "#")
 
 
+class Finished(Cosine):
+    """A fitted model that gives its markers in another order than the corpus keeps them."""
+
+    markers_ = tuple(reversed(MOUTH))
+
+    def synthesise(self, phones, times):  # type: ignore[no-untyped-def]
+        return super().synthesise(phones, times)[:, ::-1]
+
+
+def test_a_performer_of_another_layout_is_refused(made: Corpus) -> None:
+    model = Finished().fit([made.take("take00")])
+    model.markers_ = MOUTH[1:]
+    with pytest.raises(InputError, match=rf"anna does not move 1 of the mouth markers .* such as {MOUTH[0]}"):
+        evaluate_performer("anna", {"hers": model}, (), made)
+
+
 def test_a_performer_is_refused_the_takes_it_was_learned_from(made: Corpus, tmp_path: Path) -> None:
     ready, _ = recordings(made)
-    model = Cosine().fit([r.take for r in ready.values()])
+    model = Finished().fit([r.take for r in ready.values()])
     digests = {made.digest("take04")}
     with pytest.raises(InputError, match=r"anna was learned from takes of .*: take04; score it on takes"):
-        evaluate_performer("anna", model, digests, made)
+        evaluate_performer("anna", {"hers": model}, digests, made)
     other = Corpus.create(tmp_path / "other", {"layout": "mediapipe-218"})
     other.add(spoken("new", ("ma", "tea"), noise=0.05, seed=99))
-    evaluation = evaluate_performer("anna", model, digests, other)
-    assert evaluation.scores["anna"]["opening_r"].value > 0.98
+    evaluation = evaluate_performer("anna", {"hers": model}, digests, other)
+    assert evaluation.scores["hers"]["opening_r"].value > 0.98
     renamed = Corpus.create(tmp_path / "renamed", {"layout": "mediapipe-218"})
     take = made.take("take04")
     object.__setattr__(take, "name", "innocent")
     renamed.add(take)
     with pytest.raises(InputError, match="innocent"):
-        evaluate_performer("anna", model, digests, renamed)
+        evaluate_performer("anna", {"hers": model}, digests, renamed)
 
 
 def test_takes_that_cannot_be_scored_are_left_out_and_told(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mien.corpus.take import Take
-    from mien.evaluate.protocols import Evaluation
+    from mien.evaluate.protocols import Evaluation, FinishedModel
     from mien.evaluate.splits import Fold
 
 __all__ = ["add_command"]
@@ -23,12 +23,12 @@ def add_command(commands: Any) -> None:
     parser = commands.add_parser(
         "evaluate",
         help="score models against recorded motion",
-        description="Every model is learned afresh for each fold and scored on what was held out (docs/metrics.md).",
+        description="CORPUS: every model is learned afresh for each fold and scored on what was held out. "
+        "X.mien HELDOUT: a finished performer is scored on takes that it was not learned from. See docs/metrics.md.",
     )
-    parser.add_argument("corpus", metavar="CORPUS", help="folder of a corpus (mien corpus import makes one)")
-    parser.add_argument(
-        "--protocol", choices=_PROTOCOLS, required=True, help="what is held out: takes, or all takes with some words"
-    )
+    parser.add_argument("subject", metavar="CORPUS|X.mien", help="folder of a corpus, or a finished performer")
+    parser.add_argument("heldout", metavar="HELDOUT", nargs="?", help="corpus to score the performer on")
+    parser.add_argument("--protocol", choices=_PROTOCOLS, help="what is held out: takes, or words")
     parser.add_argument("--words", metavar="FILE", help="words to leave out and to score (leave-words-out)")
     parser.add_argument("--test-names", metavar="FILE", help="takes to hold out and to score (random)")
     parser.add_argument("--folds", type=int, help="how many of the 8 parts are tested in turn (default 1)")
@@ -47,7 +47,8 @@ def _evaluate(options: argparse.Namespace) -> int:
         raise InputError(f"a seed is a whole number, 0 or more, not {options.seed}")
     if options.report:
         check_report(options.report)
-    name, title, evaluation = _of_corpus(options)
+    of_performer = options.subject.lower().endswith(".mien")
+    name, title, evaluation = _of_performer(options) if of_performer else _of_corpus(options)
     _tell(evaluation, name, title, options)
     return 0
 
@@ -62,7 +63,7 @@ def _of_corpus(options: argparse.Namespace) -> tuple[str, str, Evaluation]:
     _check_protocol(options)
     words = options.protocol == "leave-words-out"
     makers = contenders(options.models.split(",") if options.models else None, unseen_words=words)
-    ready, notes = recordings(Corpus(options.corpus))
+    ready, notes = recordings(Corpus(options.subject))
     folds = _folds(options, [recording.take for recording in ready.values()])
     with tqdm(unit=" models", leave=False, disable=options.quiet or not sys.stderr.isatty()) as bar:
 
@@ -75,10 +76,33 @@ def _of_corpus(options: argparse.Namespace) -> tuple[str, str, Evaluation]:
     return options.protocol, "Unseen words" if words else "Unseen takes", evaluation
 
 
+def _of_performer(options: argparse.Namespace) -> tuple[str, str, Evaluation]:
+    from mien.corpus.corpus import Corpus
+    from mien.errors import InputError
+    from mien.evaluate.protocols import evaluate_performer
+    from mien.models.performer_file import load_learned
+
+    if options.heldout is None:
+        raise InputError(f"name the corpus of held-out takes too: mien evaluate {options.subject} HELDOUT")
+    learning = ("protocol", "words", "test_names", "folds", "models")
+    given = [f"--{name.replace('_', '-')}" for name in learning if getattr(options, name) is not None]
+    if given:
+        raise InputError(f"{given[0]} is for learning afresh from a corpus; {options.subject} is learned already")
+    learned = load_learned(options.subject)
+    models: dict[str, FinishedModel] = {"speech motion": learned.motion, "paper's curves": learned.coarticulation}
+    corpus = Corpus(options.heldout)
+    evaluation = evaluate_performer(options.subject, models, learned.trained_on, corpus, seed=options.seed)
+    return f"performer-{learned.name}", f"Performer {learned.name} on held-out takes", evaluation
+
+
 def _check_protocol(options: argparse.Namespace) -> None:
     """Options that do not go together are refused, none is passed over."""
     from mien.errors import InputError
 
+    if options.heldout is not None:
+        raise InputError(f"{options.heldout}: a second corpus is for a performer, 'mien evaluate X.mien HELDOUT'")
+    if options.protocol is None:
+        raise InputError(f"learning afresh needs --protocol {' or --protocol '.join(_PROTOCOLS)}")
     if options.words and options.protocol == "random":
         raise InputError("--words is for --protocol leave-words-out; name the takes of a random split by --test-names")
     if options.test_names and options.protocol == "leave-words-out":

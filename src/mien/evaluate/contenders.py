@@ -17,8 +17,8 @@ __all__ = ["contenders"]
 def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False) -> dict[str, Callable[[], Model]]:
     """Makers of untrained models, in the order of the table: baselines, then what mien learns.
 
-    ``diphones`` and ``triphones`` are Deng et al.'s model as published; ``influence curves`` are the explicit part of
-    ``speech motion``, which ships.
+    ``diphones`` and ``triphones`` are Deng et al.'s model with a key shape for each phone; ``influence curves`` are
+    the explicit part of ``speech motion``, which ships.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
         "dominance": Dominance,
         "ridge": lambda: Ridge(reach),
         "perceptron": lambda: Perceptron(reach=reach),
-        "diphones": lambda: Coarticulation(CoarticulationSettings(triphones=False)),
-        "triphones": Coarticulation,
+        "diphones": lambda: Coarticulation(CoarticulationSettings(triphones=False, key_per_phone=True)),
+        "triphones": lambda: Coarticulation(CoarticulationSettings(key_per_phone=True)),
         "influence curves": lambda: SpeechMotion(SpeechMotionSettings(correction_share=0.0)),
         "speech motion": SpeechMotion,
     }

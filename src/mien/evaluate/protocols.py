@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +18,14 @@ from mien.evaluate.scores import Score, score
 from mien.evaluate.splits import Fold
 from mien.evaluate.takes import Recording, prepare
 from mien.evaluate.tallies import Tally, tally
+from mien.timeline import Tier
 
 __all__ = [
     "RECORDING",
     "REPETITIONS",
     "YARDSTICKS",
     "Evaluation",
+    "FinishedModel",
     "Trace",
     "evaluate_folds",
     "evaluate_performer",
@@ -42,6 +45,17 @@ TRACES = 4
 Array = NDArray[np.float64]
 Makers = Mapping[str, Callable[[], Model]]
 Progress = Callable[[int, int, str], None]
+
+
+class FinishedModel(Protocol):
+    """A model that has been fitted and knows which markers it moves."""
+
+    @property
+    def markers_(self) -> tuple[str, ...]:
+        """Names of the markers, in the order in which it gives them."""
+
+    def synthesise(self, phones: Tier, times: Array) -> Array:
+        """Positions of those markers at the given times, shape (frames, markers, 3), mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,20 +171,20 @@ def evaluate_folds(
 
 def evaluate_performer(
     name: str,
-    model: Model,
+    models: Mapping[str, FinishedModel],
     trained_on: Collection[str],
     corpus: Corpus,
     *,
     seed: int = 0,
 ) -> Evaluation:
-    """Score a finished model on takes that it has never met.
+    """Score a finished performer on takes that it has never met.
 
     Parameters
     ----------
     name : str
-        Of its row.
-    model : Model
-        Already fitted, to the mouth markers that the scoring rule names, in their order in the layout.
+        Of the performer, for messages.
+    models : mapping of str to FinishedModel
+        By the name of the row.
     trained_on : collection of str
         Digests (`Corpus.digest`) of the takes that it was learned from.
     corpus : Corpus
@@ -180,7 +194,8 @@ def evaluate_performer(
     Raises
     ------
     InputError
-        If it was learned from a take of the corpus (told by its digest, whatever its name), or nothing can be scored.
+        If it was learned from a take of the corpus (told by its digest, whatever its name), it moves other markers,
+        or nothing can be scored.
     """
     met = [take for take in corpus.names if corpus.digest(take) in trained_on]
     if met:
@@ -190,17 +205,31 @@ def evaluate_performer(
             "score it on takes that were held out of its learning"
         )
     ready, notes = recordings(corpus)
-    tallies: dict[str, dict[str, Tally]] = {row: {} for row in (*YARDSTICKS, name)}
-    every = Repetitions(ready.values())
+    tallies: dict[str, dict[str, Tally]] = {row: {} for row in (*YARDSTICKS, *models)}
     traces: list[Trace] = []
+    every = Repetitions(ready.values())
     kept = sorted(ready)[:: max(1, len(ready) // TRACES)][:TRACES]
     for take, recording in ready.items():
         mouths = _yardsticks(recording, every, recording.speech)
-        mouths[name] = model.synthesise(recording.take.phones, recording.times)
+        for row, model in models.items():
+            order = _order(name, model.markers_, recording)
+            mouths[row] = model.synthesise(recording.take.phones, recording.times)[:, order]
         for row, mouth in mouths.items():
             tallies[row][take] = tally(recording, mouth, recording.speech)
         traces += [Trace(recording, mouths)] if take in kept else []
     return _finished(ready, tallies, traces, (), seed, notes)
+
+
+def _order(name: str, markers: Sequence[str], recording: Recording) -> list[int]:
+    """Places of the recorded markers among those that a performer moves."""
+    places = {marker: place for place, marker in enumerate(markers)}
+    missing = [marker for marker in recording.take.markers.names if marker not in places]
+    if missing:
+        raise InputError(
+            f"{name} does not move {len(missing)} of the mouth markers of take {recording.take.name!r}, such as "
+            f"{missing[0]}: score it on a corpus of the layout that it was learned from"
+        )
+    return [places[marker] for marker in recording.take.markers.names]
 
 
 def _add(tallies: dict[str, Tally], name: str, new: Tally) -> None:
