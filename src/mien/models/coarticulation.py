@@ -241,7 +241,7 @@ class Coarticulation:
             inside = (times >= middles[place]) & (times < middles[place + 1])
             if inside.any():
                 poses[inside] = self._between(step, place, labels, middles, keys, times[inside])
-        return self.space_.decode(poses).reshape(len(times), -1, 3)
+        return self.space_.decode(poses).reshape(len(times), len(self.markers_), 3)
 
     def _between(
         self, step: Step, place: int, labels: Sequence[str], middles: Floats, keys: Floats, times: Floats

@@ -8,7 +8,7 @@ Plain numpy: nothing else is needed to run or to train it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Self
@@ -94,7 +94,7 @@ def articulation_about(phones: Tier, times: Floats, phone_weight: float) -> Floa
     place = np.clip(np.searchsorted(borders, at, side="right") - 1, 0, len(held) - 1)
     reached = total[place] + held[place] * (at - borders[place])[..., None]  # integral of the features up to there
     mean = np.diff(reached, axis=1) / np.diff(SPANS)[:, None]
-    return np.asarray(mean.reshape(len(times), -1))
+    return np.asarray(mean.reshape(len(times), mean.shape[1] * mean.shape[2]))
 
 
 class Correction:
@@ -117,13 +117,13 @@ class Correction:
         """What the networks see, shape (frames, inputs)."""
         return articulation_about(phones, times + self.settings.lead, self.settings.phone_weight)
 
-    def fit(self, seen: Floats, components: Floats) -> Self:
+    def fit(self, seen: Floats, components: Floats, after_epoch: Callable[[], None] = lambda: None) -> Self:
         """Learn from `describe` and the components of the same frames."""
         scale = float(components.std(axis=0).max()) or 1.0
         inputs, wanted = seen.astype(np.float32), (components / scale).astype(np.float32)
         self.layers_ = []
         for number in range(self.settings.networks):
-            layers = self._train(inputs, wanted, np.random.default_rng([self.settings.seed, number]))
+            layers = self._train(inputs, wanted, np.random.default_rng([self.settings.seed, number]), after_epoch)
             layers[-1] = (layers[-1][0] * np.float32(scale), layers[-1][1] * np.float32(scale))
             self.layers_.append([(w.astype(np.float64), b.astype(np.float64)) for w, b in layers])
         return self
@@ -133,7 +133,9 @@ class Correction:
         answers = [_forward(layers, seen)[-1] for layers in self.layers_]
         return np.asarray(np.mean(answers, axis=0))
 
-    def _train(self, inputs: Array, wanted: Array, random: np.random.Generator) -> list[tuple[Array, Array]]:
+    def _train(
+        self, inputs: Array, wanted: Array, random: np.random.Generator, after_epoch: Callable[[], None]
+    ) -> list[tuple[Array, Array]]:
         sizes = [inputs.shape[1], *self.settings.hidden, wanted.shape[1]]
         layers: list[tuple[Array, Array]] = []
         for entering, leaving in pairwise(sizes):
@@ -147,6 +149,7 @@ class Correction:
             order = random.permutation(len(inputs))
             for rows in np.split(order, range(batch, len(order), batch)):
                 adam.step(self._slopes(layers, inputs[rows], wanted[rows], random))
+            after_epoch()
         return layers
 
     def _slopes(

@@ -19,7 +19,7 @@ and curves all the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -179,7 +179,9 @@ class InfluenceCurves:
             np.clip(np.minimum(since_start, until_end), 0, DEEPEST) / UNIT,
         )
 
-    def fit(self, parts: Sequence[PartsInTime], components: Floats) -> Self:
+    def fit(
+        self, parts: Sequence[PartsInTime], components: Floats, after_epoch: Callable[[], None] = lambda: None
+    ) -> Self:
         """Learn from placed utterances and the components of their frames, shape (all frames, components)."""
         settings = self.settings
         random = np.random.default_rng(settings.seed)
@@ -198,8 +200,9 @@ class InfluenceCurves:
                 slopes[0] += np.float32(settings.shrinkage) * (self.weights_ - start)
                 slopes[1] += np.float32(settings.shrinkage / 10) * self.shapes_
                 adam.step(slopes)
-        self.weights_ = self.weights_.astype(np.float64)
-        self.shapes_ = self.shapes_.astype(np.float64) * self._scale
+            after_epoch()
+        self.weights_ = self.weights_.astype(np.float64)  # still exact in single precision: files keep every bit
+        self.shapes_ = (self.shapes_ * np.float32(self._scale)).astype(np.float64)
         return self
 
     def _begin(self, descriptors: int, components: int, random: np.random.Generator) -> None:

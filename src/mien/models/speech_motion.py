@@ -7,7 +7,7 @@ never learned the two together are better than either alone (docs/results.md).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Self
@@ -84,8 +84,21 @@ class SpeechMotion:
         self.settings = settings or SpeechMotionSettings()
         self.edits_: dict[str, Floats] = {}
 
-    def fit(self, takes: Sequence[Take]) -> Self:
+    @property
+    def epochs(self) -> int:
+        """Passes through the frames that `fit` makes in all."""
+        correction = self.settings.correction
+        networks = correction.networks if self.settings.correction_share > 0 else 0
+        return self.settings.influence.epochs + networks * correction.epochs
+
+    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
         """Learn from takes; other markers than those of the mouth are left out.
+
+        Parameters
+        ----------
+        takes : sequence of Take
+        after_epoch : callable
+            Called `epochs` times, to show progress.
 
         Raises
         ------
@@ -100,12 +113,14 @@ class SpeechMotion:
         self.space_ = EMPCA(self.settings.components).fit(np.concatenate([mouth.positions for mouth in mouths]))
         components = self.space_.encode(np.concatenate([mouth.positions for mouth in mouths]))
         curves = InfluenceCurves(self.settings.influence)
-        self.curves_ = curves.fit([curves.place(mouth.phones, mouth.times) for mouth in mouths], components)
+        self.curves_ = curves.fit(
+            [curves.place(mouth.phones, mouth.times) for mouth in mouths], components, after_epoch
+        )
         self.correction_: Correction | None = None
         if self.settings.correction_share > 0:
             correction = Correction(self.settings.correction)
             seen = np.concatenate([correction.describe(mouth.phones, mouth.times) for mouth in mouths])
-            self.correction_ = correction.fit(seen, components)
+            self.correction_ = correction.fit(seen, components, after_epoch)
         self.closure_ = LipClosure(find_lips(self.layout_, self.markers_)).fit(mouths)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
         return self
@@ -131,7 +146,7 @@ class SpeechMotion:
             If a label is no phone.
         """
         times = np.asarray(times, dtype=np.float64)
-        positions = self.space_.decode(self._components(phones, times)).reshape(len(times), -1, 3)
+        positions = self.space_.decode(self._components(phones, times)).reshape(len(times), len(self.markers_), 3)
         return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
 
     def _components(self, phones: Tier, times: Floats) -> Floats:

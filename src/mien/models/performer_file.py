@@ -1,0 +1,250 @@
+"""The ``.mien`` file: what was learned from one recorded person.
+
+A zip archive of one ``performer.json`` and arrays as ``.npy`` (``numpy.load`` opens it as an ``.npz``)::
+
+    performer.json    format, version, name, about (licence, attribution, corpus), layout, markers, settings, digests of
+                      the takes it was learned from, counts of phone sequences, scalars of the models
+    speech/...        `SpeechMotion`: pose space, influence curves, networks, closures, edited key shapes
+    paper/...         `Coarticulation`: pose space, key shapes, curves of diphones and triphones, cost by degree
+
+Saving the same performer twice gives the same bytes; loading gives the same motion, bit for bit.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.files import replace_when_complete
+from mien.models.coarticulation import Coarticulation, CoarticulationSettings
+from mien.models.correction import Correction, CorrectionSettings
+from mien.models.coverage import Coverage
+from mien.models.curves import Curves
+from mien.models.em_pca import EMPCA
+from mien.models.influence import InfluenceCurves, InfluenceSettings
+from mien.models.lip_closure import LipClosure, find_lips
+from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
+
+__all__ = ["FORMAT", "VERSION", "LearnedSpeech", "load_learned", "save_learned"]
+
+FORMAT, VERSION = "mien-performer", 1
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+Arrays = dict[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedSpeech:
+    """What was learned of one person's speech.
+
+    Attributes
+    ----------
+    name : str
+    motion : SpeechMotion
+        The mouth that performs.
+    coarticulation : Coarticulation
+        The paper's curves, to look at and to compare with.
+    fitting_cost : ndarray, shape (4, 6)
+        Cost of the curves by λ (`curves.PENALTIES`) and degree 1 to 6 (Fig. 9).
+    trained_on : tuple of str
+        Digests (`mien.corpus.corpus.digest_of`) of the takes it was learned from.
+    about : mapping of str to str
+        Licence, attribution, corpus.
+    """
+
+    name: str
+    motion: SpeechMotion
+    coarticulation: Coarticulation
+    fitting_cost: NDArray[np.float64]
+    trained_on: tuple[str, ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
+
+
+def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
+    """Write a performer; an older file of that name stays until the new one is complete.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    motion, paper = learned.motion, learned.coarticulation
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": learned.name,
+        "about": dict(learned.about),
+        "layout": motion.layout_,
+        "markers": motion.markers_,
+        "trained_on": learned.trained_on,
+        "settings": {"speech": asdict(motion.settings), "paper": asdict(paper.settings)},
+        "closure": {"apart": motion.closure_.apart_, "delay": motion.closure_.delay_},
+        "coverage": {
+            "least": motion.coverage_.least,
+            "triphones": _joined(motion.coverage_.triphones_),
+            "diphones": _joined(motion.coverage_.diphones_),
+        },
+        "curves": {" ".join(phones): [c.pairs, c.error] for phones, c in paper.curves_.items()},
+        "class_curves": {" ".join(phones): [c.pairs, c.error] for phones, c in paper.class_curves_.items()},
+        "keys": list(paper.keys_),
+        "edited": list(motion.edits_),
+    }
+    arrays = _speech_arrays(motion) | _paper_arrays(paper) | {"paper/fitting_cost": learned.fitting_cost}
+    with replace_when_complete(path) as unfinished, zipfile.ZipFile(unfinished, "w") as archive:
+        _write(archive, "performer.json", json.dumps(content, indent=1, ensure_ascii=False).encode())
+        for name, array in arrays.items():
+            entry = BytesIO()
+            np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
+            _write(archive, name + ".npy", entry.getvalue())
+
+
+def _write(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
+    entry = zipfile.ZipInfo(name, _DATE)  # a fixed date: the same performer, the same bytes
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.external_attr = 0o644 << 16
+    archive.writestr(entry, content)
+
+
+def _joined(counts: Mapping[tuple[str, ...], int]) -> dict[str, int]:
+    return {" ".join(phones): count for phones, count in counts.items()}
+
+
+def _space_arrays(prefix: str, space: EMPCA) -> Arrays:
+    return {
+        f"{prefix}/mean": space.mean_,
+        f"{prefix}/axes": space.axes_,
+        f"{prefix}/variances": np.append(space.variances_, [space.share_, space.steps_]),
+    }
+
+
+def _speech_arrays(motion: SpeechMotion) -> Arrays:
+    arrays = _space_arrays("speech/space", motion.space_)
+    arrays["speech/influence/weights"] = motion.curves_.weights_.astype(np.float32)  # exact: learned in this precision
+    arrays["speech/influence/shapes"] = motion.curves_.shapes_.astype(np.float32)
+    if motion.correction_ is not None:
+        for number, layers in enumerate(motion.correction_.layers_):
+            for depth, (weights, bias) in enumerate(layers):
+                arrays[f"speech/correction/{number}/{depth}/weights"] = weights.astype(np.float32)
+                arrays[f"speech/correction/{number}/{depth}/bias"] = bias.astype(np.float32)
+    arrays["speech/closing"] = motion.closure_.closing_
+    for phone, offsets in motion.edits_.items():
+        arrays[f"speech/edits/{phone}"] = offsets
+    return arrays
+
+
+def _paper_arrays(paper: Coarticulation) -> Arrays:
+    arrays = _space_arrays("paper/space", paper.space_)
+    arrays["paper/keys"] = np.array(list(paper.keys_.values()))
+    for name, curves in (("curves", paper.curves_), ("class_curves", paper.class_curves_)):
+        columns = [c.coefficients for c in curves.values()]
+        arrays[f"paper/{name}"] = (
+            np.concatenate(columns, axis=1) if columns else np.zeros((paper.settings.degree + 1, 0))
+        )
+    return arrays
+
+
+def load_learned(path: str | Path) -> LearnedSpeech:
+    """Read a performer.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, of another kind or of a newer version.
+    """
+    path = Path(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            content = json.loads(archive.read("performer.json"))
+        if content.get("format") != FORMAT or content.get("version") != VERSION:
+            found = f"{content.get('format')} {content.get('version')}"
+            raise InputError(f"{path}: expected {FORMAT} {VERSION}, found {found}; learn it again or update mien")
+        with np.load(path, allow_pickle=False) as file:
+            arrays: Arrays = {name: file[name] for name in file.files if name != "performer.json"}
+        motion, paper = _speech_from(content, arrays), _paper_from(content, arrays)
+        return LearnedSpeech(
+            content["name"], motion, paper, arrays["paper/fitting_cost"], tuple(content["trained_on"]), content["about"]
+        )
+    except FileNotFoundError as problem:
+        raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien") from problem
+    except (OSError, zipfile.BadZipFile, KeyError, ValueError, TypeError) as problem:
+        raise InputError(f"{path}: no performer, or damaged ({problem}); learn it again") from problem
+
+
+def _space_from(prefix: str, components: int, arrays: Arrays) -> EMPCA:
+    space = EMPCA(components)
+    space.mean_, space.axes_ = arrays[f"{prefix}/mean"], arrays[f"{prefix}/axes"]
+    numbers = arrays[f"{prefix}/variances"]
+    space.variances_, space.share_, space.steps_ = numbers[:-2], float(numbers[-2]), int(numbers[-1])
+    return space
+
+
+def _speech_from(content: Mapping[str, Any], arrays: Arrays) -> SpeechMotion:
+    given = dict(content["settings"]["speech"])
+    influence = InfluenceSettings(**given.pop("influence"))
+    correction = dict(given.pop("correction"))
+    correction["hidden"] = tuple(correction["hidden"])
+    settings = SpeechMotionSettings(**given, influence=influence, correction=CorrectionSettings(**correction))
+    motion = SpeechMotion(settings)
+    motion.layout_, motion.markers_ = content["layout"], tuple(content["markers"])
+    motion.space_ = _space_from("speech/space", settings.components, arrays)
+    motion.curves_ = InfluenceCurves(influence)
+    motion.curves_.weights_ = arrays["speech/influence/weights"].astype(np.float64)
+    motion.curves_.shapes_ = arrays["speech/influence/shapes"].astype(np.float64)
+    motion.correction_ = _correction_from(settings, arrays)
+    motion.closure_ = LipClosure(find_lips(motion.layout_, motion.markers_))
+    motion.closure_.closing_ = arrays["speech/closing"]
+    motion.closure_.apart_, motion.closure_.delay_ = content["closure"]["apart"], content["closure"]["delay"]
+    coverage = content["coverage"]
+    motion.coverage_ = Coverage(coverage["least"]).restore(_split(coverage["triphones"]), _split(coverage["diphones"]))
+    motion.edits_ = {phone: arrays[f"speech/edits/{phone}"] for phone in content["edited"]}
+    return motion
+
+
+def _correction_from(settings: SpeechMotionSettings, arrays: Arrays) -> Correction | None:
+    if settings.correction_share <= 0:
+        return None
+    correction = Correction(settings.correction)
+    correction.layers_ = [
+        [
+            (
+                arrays[f"speech/correction/{number}/{depth}/weights"].astype(np.float64),
+                arrays[f"speech/correction/{number}/{depth}/bias"].astype(np.float64),
+            )
+            for depth in range(len(settings.correction.hidden) + 1)
+        ]
+        for number in range(settings.correction.networks)
+    ]
+    return correction
+
+
+def _split(counts: Mapping[str, int]) -> dict[tuple[str, ...], int]:
+    return {tuple(phones.split(" ")): count for phones, count in counts.items()}
+
+
+def _paper_from(content: Mapping[str, Any], arrays: Arrays) -> Coarticulation:
+    paper = Coarticulation(CoarticulationSettings(**content["settings"]["paper"]))
+    paper.markers_ = tuple(content["markers"])
+    paper.space_ = _space_from("paper/space", paper.settings.components, arrays)
+    paper.keys_ = dict(zip(content["keys"], arrays["paper/keys"], strict=True))
+    paper.curves_ = _curves_from(content["curves"], arrays["paper/curves"])
+    paper.class_curves_ = _curves_from(content["class_curves"], arrays["paper/class_curves"])
+    return paper
+
+
+def _curves_from(listed: Mapping[str, Any], columns: NDArray[Any]) -> dict[tuple[str, ...], Curves]:
+    curves: dict[tuple[str, ...], Curves] = {}
+    start = 0
+    for phones, (pairs, error) in listed.items():
+        said = tuple(phones.split(" "))
+        curves[said] = Curves(np.ascontiguousarray(columns[:, start : start + len(said)]), pairs, error)
+        start += len(said)
+    return curves
