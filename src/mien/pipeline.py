@@ -53,7 +53,7 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
     return Animation(
         channels=ChannelTrack(channels.ALL, blend(mouth.values, expression * share, idle), rate),
-        markers=None,
+        markers=mouth.markers,
         utterance=utterance,
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mien.models.poses import pose_vector, read_table
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import FrameRate, Interval
+from mien.tracks import MarkerTrack
 
 __all__ = ["AuthoredMouth", "MouthMotion", "Viseme", "cosine_interpolation"]
 
@@ -49,10 +50,13 @@ class MouthMotion:
         Weights of `mien.channels.ALL`; only the mouth moves.
     seal : ndarray, shape (frames,)
         0..1: how strictly the lips must stay shut (or the lip on the teeth) in this frame.
+    markers : MarkerTrack or None
+        The motion of the mouth's markers that the values follow, for models that move markers.
     """
 
     values: Floats
     seal: Floats
+    markers: MarkerTrack | None = None
 
 
 @dataclass(frozen=True)
@@ -101,13 +105,27 @@ class AuthoredMouth:
 
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels for every frame that covers the sound."""
-        times = rate.times(rate.frames_covering(utterance.duration))
-        keys = self._keys(utterance, shortest_seal=max(SHORTEST_SEAL, 1.01 / rate.fps))
-        shapes = np.array([np.append(key.shape, key.seal) for key in keys])
-        motion = cosine_interpolation(times, [(key.start, key.end) for key in keys], shapes)
+        keys = self._keys(utterance, rate)
+        motion = _interpolated(keys, utterance, rate, [np.append(key.shape, key.seal) for key in keys])
         return MouthMotion(values=motion[:, :-1], seal=motion[:, -1])
 
-    def _keys(self, utterance: Utterance, shortest_seal: float) -> list[_Key]:
+    def seals(self, utterance: Utterance, rate: FrameRate) -> tuple[Floats, Floats]:
+        """Where the lips must be shut (or on the teeth) and in which shape, for models that move the lips otherwise.
+
+        Returns
+        -------
+        seal : ndarray, shape (frames,)
+            0..1.
+        shape : ndarray, shape (frames, channels)
+            The key shape that seals, already weighed by ``seal``.
+        """
+        keys = self._keys(utterance, rate)
+        weighed = [np.append(key.shape * key.seal, key.seal) for key in keys]
+        motion = _interpolated(keys, utterance, rate, weighed)
+        return motion[:, -1], motion[:, :-1]
+
+    def _keys(self, utterance: Utterance, rate: FrameRate) -> list[_Key]:
+        shortest_seal = max(SHORTEST_SEAL, 1.01 / rate.fps)
         keys: list[_Key] = []
         for phone in utterance.phones:
             if phone.label == PAUSE:
@@ -137,6 +155,11 @@ class AuthoredMouth:
             shape = viseme.shape * (1 - viseme.yields * (1 - reach))
             keys.append(_Key(middle - half, middle + half, shape, viseme.seal))
         return keys
+
+
+def _interpolated(keys: list[_Key], utterance: Utterance, rate: FrameRate, shapes: list[Floats]) -> Floats:
+    times = rate.times(rate.frames_covering(utterance.duration))
+    return cosine_interpolation(times, [(key.start, key.end) for key in keys], np.array(shapes))
 
 
 def _in_order(keys: list[_Key]) -> list[_Key]:
