@@ -12,6 +12,7 @@ from mien.audio_files import read_audio
 from mien.errors import InputError, Note
 from mien.face.face import Face
 from mien.models.performer import Performer
+from mien.models.performers import load_performer
 from mien.pipeline import perform
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
@@ -33,7 +34,7 @@ def say(
     voice: str | None = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
-    performer: Performer | None = None,
+    performer: Performer | str | Path = "default",
 ) -> Animation:
     """Speak a text with a synthetic voice and perform it.
 
@@ -49,8 +50,8 @@ def say(
         Frames per second of the animation.
     seed : int
         Same text, options, seed and version: same animation, bit for bit.
-    performer : Performer or None
-        None takes the default performer.
+    performer : Performer, str or Path
+        A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
 
     Raises
     ------
@@ -78,7 +79,7 @@ def animate(
     emotion: Emotions = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
-    performer: Performer | None = None,
+    performer: Performer | str | Path = "default",
 ) -> Animation:
     """Perform recorded speech.
 
@@ -181,15 +182,16 @@ def read_text(text: str | Path) -> str:
 
 
 def _prepared(
-    performer: Performer | None, emotion: Emotions, fps: Rate, seed: int
+    performer: Performer | str | Path, emotion: Emotions, fps: Rate, seed: int
 ) -> tuple[Performer, Score, FrameRate]:
     """Check every option before any long work begins."""
-    performer = performer or Performer.authored()
     if seed < 0:
         raise InputError(f"a seed is a whole number, 0 or more, not {seed}")
-    score = _score(emotion)
+    rate, score = FrameRate.of(fps), _score(emotion)
+    if not isinstance(performer, Performer):
+        performer = load_performer(performer)
     performer.expression.check(score)
-    return performer, score, FrameRate.of(fps)
+    return performer, score, rate
 
 
 def _score(emotion: Emotions) -> Score:

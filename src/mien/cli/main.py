@@ -10,9 +10,9 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate
+from mien.cli import evaluate, learn
 from mien.cli.corpus import add_corpus_commands
 from mien.errors import MienError, Note
 
@@ -77,6 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     align.set_defaults(run=_align)
 
     add_corpus_commands(commands)
+    learn.add_command(commands)
     evaluate.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
@@ -96,6 +97,9 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     parser.add_argument("--face", default="default", help="the face to show (default: default)")
+    parser.add_argument(
+        "--performer", default="default", metavar="NAME|X.mien", help="who moves: default, authored, or a .mien file"
+    )
     parser.add_argument("--emotion", metavar="NAME[:0..1]", help="such as happy or sad:0.4")
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
@@ -105,7 +109,7 @@ def _say(options: argparse.Namespace) -> int:
 
     face = _checked_face(options)
     text = sys.stdin.read() if options.text == "-" else options.text
-    animation = api.say(text, emotion=options.emotion, voice=options.voice, fps=options.fps, seed=options.seed)
+    animation = api.say(text, voice=options.voice, **_asked(options))
     return _finish(animation, face, options)
 
 
@@ -116,10 +120,13 @@ def _animate(options: argparse.Namespace) -> int:
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
     face = _checked_face(options)
-    animation = api.animate(
-        options.audio, text=options.text, emotion=options.emotion, fps=options.fps, seed=options.seed
-    )
+    animation = api.animate(options.audio, text=options.text, **_asked(options))
     return _finish(animation, face, options)
+
+
+def _asked(options: argparse.Namespace) -> dict[str, Any]:
+    """What say and animate share."""
+    return {name: getattr(options, name) for name in ("emotion", "fps", "seed", "performer")}
 
 
 def _checked_face(options: argparse.Namespace) -> Face:

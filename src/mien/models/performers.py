@@ -1,0 +1,77 @@
+"""The performers that come with mien, and performers in files of your own."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from mien.errors import unknown_name
+from mien.models.performer import Performer
+from mien.models.performer_file import LearnedSpeech, load_learned
+
+__all__ = ["AUTHORED", "known_performers", "load_learned_performer", "load_performer"]
+
+AUTHORED = "authored"
+"""Name of the performer that was made by hand and needs no file."""
+
+
+def _folder() -> Path:
+    return Path(str(resources.files("mien") / "assets" / "performers"))
+
+
+def known_performers() -> tuple[str, ...]:
+    """Names of the performers that come with mien.
+
+    Examples
+    --------
+    >>> known_performers()
+    ('authored', 'default')
+    """
+    return (AUTHORED, *sorted(path.stem for path in _folder().glob("*.mien")))
+
+
+def load_learned_performer(name: str | Path) -> LearnedSpeech:
+    """What was learned of a performer, by name or from a ``.mien`` file.
+
+    Raises
+    ------
+    InputError
+        If the name is not known, or the file is missing or damaged.
+
+    Examples
+    --------
+    >>> load_learned_performer("default").motion.layout_
+    'mediapipe-218'
+    """
+    learned = [performer for performer in known_performers() if performer != AUTHORED]
+    if isinstance(name, Path) or str(name).lower().endswith(".mien"):
+        return load_learned(name)
+    if name not in learned:
+        raise unknown_name("learned performer", name, learned)
+    return load_learned(_folder() / f"{name}.mien")
+
+
+def load_performer(name: str | Path = "default") -> Performer:
+    """A performer ready to speak, by name or from a ``.mien`` file.
+
+    A learned performer brings its own mouth; expression and signs of life are authored.
+
+    Raises
+    ------
+    InputError
+        If the name is not known, or the file is missing or damaged.
+
+    Examples
+    --------
+    >>> load_performer("authored").name
+    'authored'
+    """
+    if name == AUTHORED:
+        return Performer.authored()
+    if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
+        raise unknown_name("performer", str(name), known_performers())
+    from mien.models.learned_mouth import LearnedMouth
+
+    learned = load_learned_performer(name)
+    authored = Performer.authored()
+    return Performer(learned.name, LearnedMouth(learned), authored.expression, authored.idle)
