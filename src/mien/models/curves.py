@@ -20,6 +20,9 @@ __all__ = ["PENALTIES", "Curves", "WeightPairs", "fit_curves", "fitting_cost", "
 PENALTIES = (0.0, 1e-5, 5e-5, 1e-4)
 """The λ of Fig. 9."""
 
+NNLS_STEPS = 100
+"""SciPy's own limit, three times the number of columns, is met by some frames of real recordings."""
+
 Floats = NDArray[np.float64]
 
 
@@ -84,7 +87,7 @@ def weights_of(area: Area, steadiness: float = 0.0) -> Floats:
         return np.asarray(np.linalg.lstsq(columns, poses, rcond=None)[0].T)
     from scipy.optimize import nnls
 
-    return np.array([nnls(columns, pose)[0] for pose in poses.T])
+    return np.array([nnls(columns, pose, maxiter=NNLS_STEPS)[0] for pose in poses.T])
 
 
 def _cosine_weights(times: Floats, phones: int) -> Floats:
