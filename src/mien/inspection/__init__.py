@@ -1,0 +1,1 @@
+"""What a performer has learned, in words and in pictures (``mien inspect``)."""
