@@ -56,7 +56,7 @@ def doctor() -> Report:
     >>> doctor().findings[0].part
     'mien'
     """
-    return Report((*_core(), *_voices(), *_listening(), *_faces(), *_pictures()))
+    return Report((*_core(), *_voices(), *_listening(), *_faces(), *_performers(), *_recording(), *_pictures()))
 
 
 def _core() -> list[Finding]:
@@ -116,6 +116,29 @@ def _faces() -> list[Finding]:
     face = load_face("default")
     vertices = sum(len(part.vertices) for part in face.parts)
     return [Finding("face default", "ok", f"{vertices} vertices; {face.licence}")]
+
+
+def _performers() -> list[Finding]:
+    from mien.models.performers import load_learned_performer
+
+    learned = load_learned_performer("default")
+    origin = f"mouth learned from {len(learned.trained_on)} takes; {learned.about.get('licence', '')}: see NOTICE"
+    return [Finding("performer default", "ok", f"{origin}; expression and idle motion authored")]
+
+
+def _recording() -> list[Finding]:
+    from mien.corpus.tracker import tracker_python
+
+    found = []
+    if tracker_python().exists():
+        found.append(Finding("face tracker", "ok", str(tracker_python())))
+    else:
+        found.append(Finding("face tracker", "optional", "no corpus from video without it; mien tracker install"))
+    if find_spec("distributed") is None:
+        found.append(Finding("dask", "optional", "no import on a cluster without it; pip install 'mien[dask]'"))
+    else:
+        found.append(Finding("dask", "ok", f"{version('distributed')}: mien corpus import --cluster"))
+    return found
 
 
 def _pictures() -> list[Finding]:
