@@ -128,12 +128,12 @@ def _performers() -> list[Finding]:
 
 def _recording() -> list[Finding]:
     from mien.corpus.tracker import tracker_python
+    from mien.errors import MissingPartError
 
-    found = []
-    if tracker_python().exists():
-        found.append(Finding("face tracker", "ok", str(tracker_python())))
-    else:
-        found.append(Finding("face tracker", "optional", "no corpus from video without it; mien tracker install"))
+    try:
+        found = [Finding("face tracker", "ok", str(tracker_python()))]
+    except MissingPartError:
+        found = [Finding("face tracker", "optional", "no corpus from video without it; mien tracker install")]
     if find_spec("distributed") is None:
         found.append(Finding("dask", "optional", "no import on a cluster without it; pip install 'mien[dask]'"))
     else:
