@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, learn
+from mien.cli import evaluate, inspect, learn
 from mien.cli.corpus import add_corpus_commands
 from mien.errors import MienError, Note
 
@@ -79,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     add_corpus_commands(commands)
     learn.add_command(commands)
     evaluate.add_command(commands)
+    inspect.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)
