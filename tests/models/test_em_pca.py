@@ -36,3 +36,13 @@ def test_more_components_than_the_data_has_are_refused():
 
 def test_data_that_do_not_move_have_all_their_variance():
     assert EMPCA(1).fit(np.ones((5, 3))).share_ == 1.0
+
+
+def test_what_counts_more_is_kept_better():
+    data = mixture()
+    counts = np.r_[np.ones(29), 50.0]
+    plain, weighted = EMPCA(3).fit(data), EMPCA(3).fit(data, counts)
+    missed = [np.abs(model.decode(model.encode(data)) - data)[:, 29].mean() for model in (plain, weighted)]
+    assert missed[1] < 0.1 * missed[0]
+    inside = weighted.decode(weighted.encode(data))
+    assert np.allclose(weighted.decode(weighted.encode(inside)), inside)

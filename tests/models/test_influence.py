@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -117,7 +119,7 @@ def test_articulation_about_an_instant_is_its_mean_over_each_span():
     table = articulation_table()
     seen = articulation_about(PHONES, np.array([0.31]), 0.5).reshape(len(SPANS) - 1, -1)
     parts = parts_of(PHONES)
-    for span, (start, end) in enumerate(zip(SPANS, SPANS[1:], strict=False)):
+    for span, (start, end) in enumerate(pairwise(SPANS)):
         at = 0.31 + start + (np.arange(4000) + 0.5) / 4000 * (end - start)
         place = np.searchsorted(parts.starts, at, side="right") - 1
         symbols = parts.symbols[np.clip(place, 0, None)]

@@ -121,13 +121,14 @@ def test_only_the_mouth_is_learned(recorded):
 def test_an_edited_key_shape_shows_in_full(model):
     phones = tier(["SIL", "S", "AA", "S", "SIL"], 0.3)
     wanted = model.key_shapes("AA")
-    wanted = wanted + model.space_.axes_[0].reshape(12, 3) * 4
+    step = model.space_.decode(np.array([[4.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    wanted = wanted + (step[0] - step[1]).reshape(12, 3)
     edited = model.with_key_shape("AA", wanted)
     assert np.allclose(edited.key_shapes("AA"), wanted, atol=1e-6)
     assert model.edits_ == {}
     at = np.array([0.72])  # deep inside AA, where its influence is nearly one
     moved = (edited.synthesise(phones, at) - model.synthesise(phones, at)).reshape(-1)
-    assert moved @ model.space_.axes_[0] > 3.0
+    assert moved @ (step[0] - step[1]) > 0.75 * ((step[0] - step[1]) ** 2).sum()
     still = np.array([0.05])
     assert np.abs(edited.synthesise(phones, still) - model.synthesise(phones, still)).max() < 0.2
     with pytest.raises(InputError, match=r"key shapes of AY have shape \(2, 12, 3\)"):

@@ -32,11 +32,13 @@ class EMPCA:
     Attributes
     ----------
     mean_ : ndarray, shape (dimensions,)
+    weights_ : ndarray, shape (dimensions,)
+        How much each dimension counts; the axes are those of the weighted data.
     axes_ : ndarray, shape (components, dimensions)
         Orthonormal, the direction of most variance first; the largest entry of each is positive.
     variances_ : ndarray, shape (components,)
     share_ : float
-        Share of the total variance that the components hold.
+        Share of the total (weighted) variance that the components hold.
     steps_ : int
 
     Notes
@@ -55,8 +57,14 @@ class EMPCA:
     def __init__(self, components: int, tolerance: float = 1e-7, most_steps: int = 300) -> None:
         self.components, self.tolerance, self.most_steps = components, tolerance, most_steps
 
-    def fit(self, data: Floats) -> Self:
+    def fit(self, data: Floats, weights: Floats | None = None) -> Self:
         """Learn mean and axes from rows, shape (frames, dimensions).
+
+        Parameters
+        ----------
+        data : ndarray
+        weights : ndarray, shape (dimensions,), or None
+            Above 0; None counts all dimensions alike.
 
         Raises
         ------
@@ -69,7 +77,8 @@ class EMPCA:
                 f"{self.components} components cannot be learned from {frames} frames of {dimensions} dimensions"
             )
         self.mean_ = data.mean(axis=0)
-        centred = data - self.mean_
+        self.weights_ = np.ones(dimensions) if weights is None else np.asarray(weights, dtype=np.float64)
+        centred = (data - self.mean_) * self.weights_
         total = float((centred**2).sum())
         span = np.linalg.qr(np.random.default_rng(0).standard_normal((dimensions, self.components)))[0]
         held = 0.0
@@ -95,8 +104,8 @@ class EMPCA:
 
     def encode(self, data: Floats) -> Floats:
         """Components of rows, shape (frames, components)."""
-        return np.asarray((data - self.mean_) @ self.axes_.T)
+        return np.asarray(((data - self.mean_) * self.weights_) @ self.axes_.T)
 
     def decode(self, scores: Floats) -> Floats:
         """Rows of components, shape (frames, dimensions)."""
-        return np.asarray(scores @ self.axes_ + self.mean_)
+        return np.asarray((scores @ self.axes_) / self.weights_ + self.mean_)

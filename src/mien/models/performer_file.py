@@ -122,6 +122,7 @@ def _space_arrays(prefix: str, space: EMPCA) -> Arrays:
     return {
         f"{prefix}/mean": space.mean_,
         f"{prefix}/axes": space.axes_,
+        f"{prefix}/weights": space.weights_,
         f"{prefix}/variances": np.append(space.variances_, [space.share_, space.steps_]),
     }
 
@@ -182,6 +183,7 @@ def load_learned(path: str | Path) -> LearnedSpeech:
 def _space_from(prefix: str, components: int, arrays: Arrays) -> EMPCA:
     space = EMPCA(components)
     space.mean_, space.axes_ = arrays[f"{prefix}/mean"], arrays[f"{prefix}/axes"]
+    space.weights_ = arrays.get(f"{prefix}/weights", np.ones(len(space.mean_)))  # absent: all dimensions count alike
     numbers = arrays[f"{prefix}/variances"]
     space.variances_, space.share_, space.steps_ = numbers[:-2], float(numbers[-2]), int(numbers[-1])
     return space

@@ -22,7 +22,7 @@ from mien.models.correction import Correction, CorrectionSettings
 from mien.models.coverage import Coverage, Evidence
 from mien.models.em_pca import EMPCA
 from mien.models.influence import REFERENCE_DURATION, InfluenceCurves, InfluenceSettings, describe_parts
-from mien.models.lip_closure import LipClosure, find_lips
+from mien.models.lip_closure import LipClosure, LipPlaces, find_lips
 from mien.models.recorded_mouths import only_mouth, recorded_mouths
 from mien.timeline import Tier
 
@@ -42,6 +42,8 @@ class SpeechMotionSettings:
     ----------
     components : int
         Dimensions of the pose space.
+    lip_emphasis : float
+        How much more the inner lips' motion up and down counts in learning than any other motion.
     correction_share : float
         Weight of the network against the influence curves, 0..1; 0 leaves the explicit curves alone.
     hold_closures : bool
@@ -51,7 +53,8 @@ class SpeechMotionSettings:
     """
 
     components: int = 8
-    correction_share: float = 0.6
+    lip_emphasis: float = 1.5
+    correction_share: float = 0.65
     hold_closures: bool = True
     influence: InfluenceSettings = field(default_factory=InfluenceSettings)
     correction: CorrectionSettings = field(default_factory=CorrectionSettings)
@@ -110,8 +113,10 @@ class SpeechMotion:
         takes = [only_mouth(take) for take in takes]
         mouths = recorded_mouths(takes, MARGIN)
         self.markers_, self.layout_ = takes[0].markers.names, takes[0].layout
-        self.space_ = EMPCA(self.settings.components).fit(np.concatenate([mouth.positions for mouth in mouths]))
-        components = self.space_.encode(np.concatenate([mouth.positions for mouth in mouths]))
+        lips = find_lips(self.layout_, self.markers_)
+        positions = np.concatenate([mouth.positions for mouth in mouths])
+        self.space_ = EMPCA(self.settings.components).fit(positions, self._emphasis(lips))
+        components = self.space_.encode(positions)
         curves = InfluenceCurves(self.settings.influence)
         self.curves_ = curves.fit(
             [curves.place(mouth.phones, mouth.times) for mouth in mouths], components, after_epoch
@@ -121,9 +126,17 @@ class SpeechMotion:
             correction = Correction(self.settings.correction)
             seen = np.concatenate([correction.describe(mouth.phones, mouth.times) for mouth in mouths])
             self.correction_ = correction.fit(seen, components, after_epoch)
-        self.closure_ = LipClosure(find_lips(self.layout_, self.markers_)).fit(mouths)
+        self.closure_ = LipClosure(lips).fit(mouths)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
         return self
+
+    def _emphasis(self, lips: LipPlaces) -> Floats:
+        """How much each coordinate counts, shape (markers * 3,)."""
+        emphasis = np.ones((len(self.markers_), 3))
+        emphasis[[place for pair in (*lips.facing, lips.opening) if pair for place in pair], 1] = (
+            self.settings.lip_emphasis
+        )
+        return emphasis.ravel()
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
         """Positions of the mouth markers.
@@ -194,7 +207,8 @@ class SpeechMotion:
         now = self.key_shapes(phone)
         if wanted.shape != now.shape:
             raise InputError(f"the key shapes of {phone} have shape {now.shape}, not {wanted.shape}")
-        change = (wanted - now).reshape(len(now), -1) @ self.space_.axes_.T @ np.linalg.pinv(self.curves_.shapes_)
+        flat = [self.space_.encode(shapes.reshape(len(now), -1)) for shapes in (wanted, now)]
+        change = (flat[0] - flat[1]) @ np.linalg.pinv(self.curves_.shapes_)
         edited = copy(self)
         edited.edits_ = self.edits_ | {phone: self.edits_.get(phone, 0.0) + change}
         return edited
