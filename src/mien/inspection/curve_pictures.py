@@ -23,6 +23,7 @@ Labels = tuple[str, ...]
 _WIDTH, _HEIGHT = 330, 190  # of one panel
 _LEFT, _RIGHT, _TOP, _BOTTOM, _HEAD = 44, 10, 36, 30, 34
 _COLUMNS = 3
+_LEGEND = 350
 _TIMES: NDArray[np.float64] = np.linspace(0, 1, 101)
 _COST_COLOURS: tuple[Colour, ...] = (INK, COLOURS[1], COLOURS[2], COLOURS[0])
 
@@ -70,7 +71,7 @@ def draw_curves(paper: Coarticulation, sequences: Sequence[Labels]) -> Image.Ima
     drawn = [_curves_for(paper, labels) for labels in sequences]
     columns = min(_COLUMNS, len(drawn))
     rows = -(-len(drawn) // columns)
-    figure = Figure(max(columns * _WIDTH, 2 * _WIDTH), _HEAD + rows * (_HEIGHT + _TOP + _BOTTOM))
+    figure = Figure(max(columns * _WIDTH, _LEGEND), _HEAD + rows * (_HEIGHT + _TOP + _BOTTOM))
     names = ("start F_s", "end F_e") if len(sequences[0]) == 2 else ("start F_s", "middle F_m", "end F_e")
     figure.legend((_LEFT, _HEAD / 2 + 2), dict(zip(names, _colours(len(names)), strict=True)), size=12)
     values = np.concatenate([curves.at(_TIMES).ravel() for curves, _ in drawn])

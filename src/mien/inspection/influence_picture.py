@@ -24,7 +24,7 @@ PHONE_LENGTH = 0.1
 _PAUSE_LENGTH = 0.25
 _STEP = 0.002  # seconds between points of a curve
 _STRANDS = 2  # drawn by themselves: those that move the mouth most
-_WIDTH, _LEFT, _RIGHT, _PANEL, _GAP, _HEAD, _FOOT = 1000, 64, 16, 120, 52, 84, 10
+_WIDTH, _LEFT, _RIGHT, _PANEL, _GAP, _HEAD, _FOOT = 1000, 64, 16, 120, 52, 84, -8
 _PAUSE_COLOUR: Colour = (150, 150, 156)
 
 

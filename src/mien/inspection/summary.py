@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
+from textwrap import wrap
 from typing import Any
 
 from mien.inspection.shares import EVIDENCE, PairShares
@@ -17,7 +18,7 @@ from mien.speech.utterance import PAUSE
 
 __all__ = ["heard_phones", "summary", "table_of_shares"]
 
-_WIDTH = 20
+_WIDTH, _LINE = 20, 110
 _MOST_UNHEARD = 12
 
 
@@ -62,7 +63,7 @@ def _wrapped(name: str, items: Iterable[str]) -> list[str]:
     """A row whose value may take several lines."""
     lines, line = [], ""
     for item in items:
-        if line and _WIDTH + len(line) + 2 + len(item) > 110:
+        if line and _WIDTH + len(line) + 2 + len(item) > _LINE:
             lines.append(line + ",")
             line = item
         else:
@@ -71,10 +72,16 @@ def _wrapped(name: str, items: Iterable[str]) -> list[str]:
     return [_row(name if number == 0 else "", text) for number, text in enumerate(lines)]
 
 
+def _paragraph(name: str, text: str) -> list[str]:
+    lines = wrap(text, _LINE - _WIDTH, break_long_words=False, break_on_hyphens=False) or [""]
+    return [_row(name if number == 0 else "", line) for number, line in enumerate(lines)]
+
+
 def _origin(learned: LearnedSpeech) -> list[str]:
     motion = learned.motion
     rows = [_row("performer", learned.name)]
-    rows += [_row(key, value) for key, value in learned.about.items()] or [_row("licence", "not stated in the file")]
+    about = learned.about or {"licence": "not stated in the file"}
+    rows += [row for key, value in about.items() for row in _paragraph(key, value)]
     rows.append(_row("layout", f"{motion.layout_}, {len(motion.markers_)} markers of the mouth"))
     rows.append(_row("learned from", f"{len(learned.trained_on)} takes"))
     return rows
@@ -115,7 +122,8 @@ def _spaces(learned: LearnedSpeech) -> list[str]:
 def _space(space: EMPCA) -> str:
     total = space.variances_.sum() / space.share_
     each = " ".join(f"{100 * variance / total:.1f}" for variance in space.variances_)
-    return f"{len(space.variances_)} dimensions hold {100 * space.share_:.1f} % of the variance (each, %: {each})"
+    what = "variance" if (space.weights_ == 1).all() else "weighted variance"
+    return f"{len(space.variances_)} dimensions hold {100 * space.share_:.1f} % of the {what} (each, %: {each})"
 
 
 def _settings(learned: LearnedSpeech) -> list[str]:
