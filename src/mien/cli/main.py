@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from mien.cli import evaluate, inspect, learn
 from mien.cli.corpus import add_corpus_commands
+from mien.cli.record import add_record_command
 from mien.errors import MienError, Note
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     align.set_defaults(run=_align)
 
     add_corpus_commands(commands)
+    add_record_command(commands)
     learn.add_command(commands)
     evaluate.add_command(commands)
     inspect.add_command(commands)

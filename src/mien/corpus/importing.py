@@ -18,7 +18,7 @@ from mien.corpus.planning import Failure, facts_of, jobs_for, named, references,
 from mien.corpus.preparing import Job, prepare_and_write
 from mien.corpus.readers import detect, reader_named
 from mien.corpus.recipes import Recipe, load_recipe
-from mien.corpus.transcripts import read_table
+from mien.corpus.transcripts import own_table, read_table
 from mien.corpus.workers import each
 from mien.errors import InputError, MienError, Note, OutputError
 from mien.files import replace_when_complete
@@ -76,7 +76,8 @@ def import_corpus(
     recipe : str or Recipe, optional
         Name or file of a recipe; the default is found out from the source.
     table : path-like, optional
-        CSV or TSV with ``name`` and any of text, emotion, sentence, speaker; goes before everything else.
+        CSV or TSV with ``name`` and any of text, emotion, sentence, speaker; goes before everything else. The
+        default is the source's own ``table.csv``, if its first column is ``name``, as ``mien record`` writes it.
     name_pattern : str, optional
         Regular expression with named groups out of the same, held against the names.
     emotion, speaker : str, optional
@@ -107,6 +108,7 @@ def import_corpus(
         raise InputError(f"{source}: expected {reader.about}, found none")
     reader.needs()
     takes, notes, failed = named(found, source)
+    table = table if table is not None else own_table(source)
     said, more = read_table(Path(table)) if table is not None else ({}, ())
     facts, strangers = facts_of(takes, chosen, said)
     notes += unused_rows(said, found, takes) + more

@@ -15,7 +15,7 @@ from mien.speech.utterance import PAUSE
 from mien.textgrid import read_textgrid
 from mien.timeline import Interval, Tier
 
-__all__ = ["Transcript", "decoded", "read_table", "read_transcript"]
+__all__ = ["Transcript", "decoded", "own_table", "read_table", "read_transcript"]
 
 _PAUSES = frozenset({"", "sil", "sp", "spn", "pau", "h#", "#", "<sil>", "<p:>", "silence", "_"})
 _ALIGN_TICKS = 25_000  # of GRID's .align files per second
@@ -146,6 +146,16 @@ def _arpabet(path: Path, tier: Tier) -> Tier:
                 )
         intervals.append(Interval(interval.start, interval.end, symbol))
     return Tier("phones", tuple(intervals))
+
+
+def own_table(source: Path) -> Path | None:
+    """The table of takes that lies in a folder of recordings as ``table.csv``; it begins with ``name``."""
+    path = source / "table.csv"
+    try:
+        with path.open("rb") as file:
+            return path if file.readline().lower().startswith(b"name,") else None
+    except OSError:
+        return None  # there is none, which is usual
 
 
 def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]:

@@ -1,0 +1,79 @@
+"""Scripts: sentences to read aloud, one a line. Data in ``assets/scripts/``, or a file of your own.
+
+A line that begins with ``#`` is a comment; empty lines are passed over. Sentences are numbered from 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from mien.corpus.transcripts import decoded
+from mien.errors import InputError, unknown_name
+
+__all__ = ["LANGUAGES", "Line", "read_script"]
+
+LANGUAGES = {"en": "english", "fi": "finnish"}
+"""Scripts that come with mien, by language."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A sentence of a script.
+
+    Attributes
+    ----------
+    number : int
+        From 1, as the script counts.
+    text : str
+    """
+
+    number: int
+    text: str
+
+    @property
+    def label(self) -> str:
+        """The number in three digits, as files carry it."""
+        return f"{self.number:03d}"
+
+
+def read_script(language: str = "en", path: str | Path | None = None) -> list[Line]:
+    """Read the script of a language, or one of your own.
+
+    Parameters
+    ----------
+    language : str
+        One of `LANGUAGES`; not looked at where ``path`` is given.
+    path : path-like, optional
+        Text, one sentence a line.
+
+    Raises
+    ------
+    InputError
+        If the language has no script, or the file cannot be read, is no text, holds no sentence, or one of them
+        twice: the recordings of a sentence are told by its text.
+
+    Examples
+    --------
+    >>> len(read_script("en")) < 60
+    True
+    """
+    if path is None:
+        if language not in LANGUAGES:
+            raise unknown_name("language", language, LANGUAGES)
+        file = Path(str(resources.files("mien") / "assets" / "scripts" / f"{LANGUAGES[language]}.txt"))
+    else:
+        file = Path(path)
+    try:
+        content, _ = decoded(file.read_bytes(), file)
+    except OSError as problem:
+        raise InputError(f"{file}: cannot be read as a script ({problem.strerror}); give a text file") from problem
+    sentences = [text for row in content.splitlines() if (text := " ".join(row.split())) and not text.startswith("#")]
+    if not sentences:
+        raise InputError(f"{file}: expected sentences to read, one a line; the file holds none")
+    for number, text in enumerate(sentences, start=1):
+        first = sentences.index(text) + 1
+        if first != number:
+            raise InputError(f"{file}: sentences {first} and {number} are the same ({text!r}); keep one")
+    return [Line(number, text) for number, text in enumerate(sentences, start=1)]
