@@ -24,7 +24,7 @@ from mien.corpus.recording.levels import level_notes, measure_levels
 from mien.corpus.recording.scripts import Line
 from mien.corpus.recording.session import Plan, Session, SessionReport
 from mien.corpus.recording.sources import PreparedFolder
-from mien.errors import InputError, MissingPartError
+from mien.errors import InputError, MissingPartError, OutputError
 from tests.corpus import recordings as made
 from tests.corpus.test_recording import Keys, speech
 
@@ -213,6 +213,12 @@ def test_sound_and_pictures_begin_at_the_same_instant(tmp_path: Path, late: floa
     samples = read_audio(files[0])[0].samples
     onset = int(np.flatnonzero(samples)[0]) / 16_000
     assert onset == pytest.approx(0.2 - late, abs=2e-4)
+
+
+def test_sound_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"cannot write .*a\.wav: .*Is the disk full\?") as caught:
+        Devices(FakeMicrophone(), None).take(LINES[0], "a", tmp_path / "gone", lambda: None)
+    assert "\n" not in str(caught.value)
 
 
 def test_interrupted_both_devices_stop(tmp_path: Path) -> None:

@@ -79,9 +79,18 @@ class Devices:
         finally:
             if self._camera is not None:
                 first_picture = self._camera.stop()
-        with writing(files[0]):
-            _from(audio, 0.0 if first_picture is None else first_picture - began).write(files[0])
+        _write_sound(_from(audio, 0.0 if first_picture is None else first_picture - began), files[0])
         return files
+
+
+def _write_sound(audio: Audio, path: Path) -> None:
+    import soundfile
+
+    try:
+        with writing(path):
+            audio.write(path)
+    except soundfile.LibsndfileError as problem:
+        raise OutputError(f"cannot write {path}: {problem.error_string.strip()} Is the disk full?") from problem
 
 
 def _from(audio: Audio, seconds: float) -> Audio:
