@@ -14,7 +14,7 @@ from mien.models.learning import LearningSettings, learn, learn_corpus
 from mien.models.lip_closure import find_lips
 from mien.models.performer_file import load_learned, save_learned
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
-from mien.timeline import Tier
+from mien.timeline import Interval, Tier
 from mien.tracks import MarkerTrack
 from tests.models.speaking import NAMES, take, takes, tier
 
@@ -87,6 +87,20 @@ def test_inner_lips_never_pass_through_each_other(model):
         for upper, lower in model.closure_.lips.facing:
             assert (held[:, upper, 1] >= held[:, lower, 1] - 1e-9).all()
     assert model.closure_.lips.facing == ((8, 9), (0, 1))
+
+
+def test_the_mouth_rests_in_long_pauses():
+    random = np.random.default_rng(0)
+    made = []
+    for number in range(20):
+        spoken = tier(random.choice(["AA", "S", "IY", "UW", "B", "K"], 10).tolist(), 0.1, start=0.6)
+        pauses = Interval(0.0, 0.6, "SIL"), Interval(1.6, 2.2, "SIL")
+        made.append(take(f"t{number}", Tier("phones", (pauses[0], *spoken, pauses[1]))))
+    resting = SpeechMotion(SMALL).fit(made)
+    phones = Tier("phones", (Interval(0.0, 3.0, "SIL"), Interval(3.0, 3.2, "AA"), Interval(3.2, 6.0, "SIL")))
+    shut = opening(resting.synthesise(phones, np.array([1.0, 2.0, 3.1, 5.0])))
+    assert shut[[0, 1, 3]].max() < 1.5  # the speaker's is 0.3 mm
+    assert shut[2] > 8
 
 
 def test_lips_are_found_by_name():

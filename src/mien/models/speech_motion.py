@@ -28,8 +28,10 @@ from mien.timeline import Tier
 
 __all__ = ["SpeechMotion", "SpeechMotionSettings"]
 
-MARGIN = 0.12
-"""Seconds before and after speech that are learned with it."""
+MARGIN = 0.32
+"""Seconds before and after speech that are learned with it: as far as the correction looks, so that it has seen frames
+with nothing but silence about them and shuts the mouth in long pauses. (0.12 s scores 0.01 mm better on unseen takes
+and leaves the lips 2 mm apart in a pause.)"""
 
 Floats = NDArray[np.float64]
 
@@ -124,7 +126,7 @@ class SpeechMotion:
         self.correction_: Correction | None = None
         if self.settings.correction_share > 0:
             correction = Correction(self.settings.correction)
-            seen = np.concatenate([correction.describe(mouth.phones, mouth.times) for mouth in mouths])
+            seen = np.concatenate([correction.describe(m.phones, m.times).astype(np.float32) for m in mouths])
             self.correction_ = correction.fit(seen, components, after_epoch)
         self.closure_ = LipClosure(lips).fit(mouths)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
