@@ -16,6 +16,7 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.core: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "installing pinned packages (about 300 MB to fetch, once)"
 	$(PIP) install --quiet --constraint constraints.txt --editable .
 	@touch $@
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -68,6 +69,8 @@ def say(
     """
     from mien.speech.synthesis import synthesise
 
+    if not isinstance(text, str):
+        raise InputError(f"expected a text to say, got {type(text).__name__}")
     performer, score, rate = _prepared(performer, emotion, fps, seed)
     return perform(synthesise(text, voice=voice, seed=seed), score, performer, rate, seed)
 
@@ -121,7 +124,7 @@ def save(
     ----------
     animation : Animation
     *paths : str or Path
-        ``.mp4 .glb .csv .TextGrid .json .png``; all are checked before the first is written.
+        ``.mp4 .glb .csv .TextGrid .json .png .wav``; all are checked before the first is written.
     face : str or Face
         The face for the formats that show one, by name or loaded.
     progress : callable (done, total) or None
@@ -161,13 +164,18 @@ def read_text(text: str | Path) -> str:
     >>> read_text("I never said that.")
     'I never said that.'
     """
+    if not isinstance(text, (str, Path)):
+        raise InputError(f"expected a text or the path of a text file, got {type(text).__name__}")
     path = Path(text)
-    is_name = isinstance(text, Path) or (path.suffix.lower() in (".txt", ".lab") and len(str(text).split()) == 1)
+    one_word = len(str(text).split()) == 1
+    is_name = isinstance(text, Path) or (one_word and (path.suffix.lower() in (".txt", ".lab") or os.sep in str(text)))
     try:
         is_file = path.is_file()
     except OSError:  # a text too long to be a file name
         is_file = False
     if not is_file:
+        if is_name and path.is_dir():
+            raise InputError(f"{text}: expected a text file, got a folder")
         if is_name:
             raise InputError(f"{text}: no such text file")
         return str(text)
@@ -199,9 +207,10 @@ def _score(emotion: Emotions) -> Score:
         return Score()
     if isinstance(emotion, str):
         return Score((EmotionSpan.parse(emotion),))
-    if isinstance(emotion, EmotionSpan):
-        return Score((emotion,))
-    return Score(tuple(emotion))
+    spans = (emotion,) if isinstance(emotion, EmotionSpan) else emotion
+    if not isinstance(spans, Sequence) or not all(isinstance(span, EmotionSpan) for span in spans):
+        raise InputError(f"an emotion is a text such as 'happy:0.6', or EmotionSpans, not {emotion!r}")
+    return Score(tuple(spans))
 
 
 def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:
@@ -213,6 +222,8 @@ def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:
         )
     notes: tuple[Note, ...] = ()
     if not isinstance(audio, Audio):
+        if not isinstance(audio, (str, Path)):
+            raise InputError(f"expected a sound or the path of a sound file, got {type(audio).__name__}")
         audio, notes = read_audio(audio)
     if said is None:
         from mien.speech.recognise import recognise

@@ -54,7 +54,12 @@ def read_audio(path: str | Path) -> tuple[Audio, tuple[Note, ...]]:
     if not np.isfinite(samples).all():
         bad = int(np.argmax(~np.isfinite(samples).all(axis=1)))
         raise InputError(f"{path}: sample {bad} ({bad / rate:.3f} s) is not a finite number: is the file damaged?")
-    audio = Audio(samples.mean(axis=1), rate)
+    mono = samples.mean(axis=1)
+    loudest = float(np.abs(mono).max())
+    if loudest > 1.0:
+        notes.append(Note("note", f"{path.name} peaks at {loudest:.2f} of full scale: turned down to fit"))
+        mono = mono / loudest
+    audio = Audio(mono, rate)
     if rate > KEPT_RATE:
         notes.append(Note("note", f"{path.name} is sampled at {rate} Hz: brought to {KEPT_RATE} Hz"))
         audio = audio.resampled(KEPT_RATE)

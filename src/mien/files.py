@@ -24,6 +24,11 @@ def check_writable(path: str | Path) -> Path:
     """
     path = Path(path)
     folder = path.parent
+    try:
+        path.lstat()
+    except OSError as problem:
+        if problem.errno not in (errno.ENOENT, errno.ENOTDIR, errno.EACCES):  # those are told apart below
+            raise OutputError(f"cannot write {str(path)[:80]}: {problem.strerror}") from problem
     if path.is_dir():
         raise OutputError(f"cannot write {path}: it is a folder; give a file name")
     if not folder.exists():
@@ -55,6 +60,8 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
     'done'
     """
     path = check_writable(path)
+    if path.is_symlink():  # what the link points to is replaced, not the link
+        path = check_writable(path.resolve())
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
         os.close(handle)

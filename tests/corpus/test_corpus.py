@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mien.corpus.corpus import Corpus
+from mien.audio import Audio
+from mien.corpus.corpus import Corpus, digest_of, identity_of
 from mien.corpus.take import Take
 from mien.errors import InputError
 from mien.timeline import FrameRate
@@ -50,11 +52,11 @@ def test_a_take_comes_back_as_it_went_in(tmp_path: Path) -> None:
         assert getattr(back, field) == getattr(there, field)
 
 
-def test_the_digest_follows_the_content_and_not_the_name(tmp_path: Path) -> None:
+def test_the_identity_follows_the_content_and_not_the_name(tmp_path: Path) -> None:
     corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
     for name, seed in (("one", 1), ("same", 1), ("other", 2)):
         corpus.add(take(name, seed))
-    assert corpus.digest("one") == corpus.digest("same") != corpus.digest("other")
+    assert corpus.identity("one") == corpus.identity("same") != corpus.identity("other")
 
 
 def test_the_manifest_is_plain_json_lines_in_order(tmp_path: Path) -> None:
@@ -90,3 +92,12 @@ def test_a_damaged_take_is_named(tmp_path: Path) -> None:
 def test_a_name_that_cannot_be_a_file_is_refused(name: str) -> None:
     with pytest.raises(InputError, match="a take's name"):
         take(name)
+
+
+def test_a_recording_with_sound_is_known_however_its_motion_was_treated() -> None:
+    one, other = (
+        replace(take(seed=seed), audio=Audio(np.random.default_rng(7).uniform(-0.5, 0.5, 4000), 16000))
+        for seed in (1, 2)
+    )
+    assert identity_of(one) == identity_of(other)
+    assert digest_of(one) != digest_of(other)

@@ -85,7 +85,7 @@ def test_a_performer_of_another_layout_is_refused(made: Corpus) -> None:
 def test_a_performer_is_refused_the_takes_it_was_learned_from(made: Corpus, tmp_path: Path) -> None:
     ready, _ = recordings(made)
     model = Finished().fit([r.take for r in ready.values()])
-    digests = {made.digest("take04")}
+    digests = {made.identity("take04")}
     with pytest.raises(InputError, match=r"anna was learned from takes of .*: take04; score it on takes"):
         evaluate_performer("anna", {"hers": model}, digests, made)
     other = Corpus.create(tmp_path / "other", {"layout": "mediapipe-218"})

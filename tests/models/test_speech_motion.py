@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mien.corpus.corpus import Corpus, digest_of
+from mien.corpus.corpus import Corpus, identity_of
 from mien.errors import InputError
 from mien.models.articulation import articulation_table
 from mien.models.coarticulation import CoarticulationSettings
@@ -237,7 +237,7 @@ def test_learning_says_how_far_it_is_and_what_it_learned_from(recorded):
     made = learn(recorded[:8], SETTINGS, lambda done, total, what: heard.append((done, total, what)))
     assert [done for done, _, _ in heard] == list(range(1, heard[0][1] + 1))
     assert heard[-1][2] == "curves"
-    assert made.trained_on == tuple(sorted(digest_of(t) for t in recorded[:8]))
+    assert made.trained_on == tuple(sorted(identity_of(t) for t in recorded[:8]))
 
 
 def test_a_corpus_is_learned_without_what_is_left_out(recorded, tmp_path):
@@ -247,7 +247,7 @@ def test_a_corpus_is_learned_without_what_is_left_out(recorded, tmp_path):
     corpus.add(replace(recorded[10], emotion="angry"))
     made = learn_corpus(corpus, SETTINGS, exclude_words=["WORD1"], exclude_names=["word0-0"])
     kept = [t for t in recorded[1:10] if not t.name.startswith("word1-")]
-    assert sorted(made.trained_on) == sorted(corpus.digest(t.name) for t in kept)
+    assert sorted(made.trained_on) == sorted(corpus.identity(t.name) for t in kept)
     assert made.about == {"licence": "CC BY 4.0"}
     with pytest.raises(InputError, match="not in this corpus: nobody"):
         learn_corpus(corpus, SETTINGS, exclude_names=["nobody"])

@@ -7,15 +7,20 @@ be used; 130 stopped.
 from __future__ import annotations
 
 import argparse
+import io
+import os
+import signal
 import sys
+import threading
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from mien.cli import evaluate, inspect, learn
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.record import add_record_command
-from mien.errors import MienError, Note
+from mien.errors import InputError, MienError, Note
 
 if TYPE_CHECKING:
     from mien.animation import Animation
@@ -32,7 +37,11 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that cannot show a name must not end the work
     options = _parser().parse_args(arguments)
+    _stop_cleanly()
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -46,6 +55,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except OSError as problem:
+        if problem.filename is not None:  # a fault of ours: the rooms below name files in errors of their own
+            raise
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - what is left in it cannot be written either
+        print(f"mien: error: cannot write to standard output: {problem.strerror}", file=sys.stderr)
+        return 2
+
+
+def _stop_cleanly() -> None:
+    """Let a request to end (SIGTERM, SIGHUP) unwind like Ctrl-C, so that half-written files are removed."""
+
+    def stop(*_: object) -> NoReturn:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGTERM", "SIGHUP"):
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), stop)
 
 
 def _one_line(problem: BaseException) -> str:
@@ -94,7 +121,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         required=True,
-        help="file to write; its suffix picks the format: .mp4 .glb .csv .TextGrid .json .png",
+        help="file to write; its suffix picks the format: .mp4 .glb .png .csv .TextGrid .wav .json",
     )
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
@@ -103,7 +130,11 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--performer", default="default", metavar="NAME|X.mien", help="who moves: default, authored, or a .mien file"
     )
-    parser.add_argument("--emotion", metavar="NAME[:0..1]", help="such as happy or sad:0.4")
+    parser.add_argument(
+        "--emotion",
+        metavar="NAME[:0..1]",
+        help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated; such as sad:0.4",
+    )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
 
@@ -118,7 +149,6 @@ def _say(options: argparse.Namespace) -> int:
 
 def _animate(options: argparse.Namespace) -> int:
     from mien import api
-    from mien.errors import InputError
 
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
@@ -137,9 +167,22 @@ def _checked_face(options: argparse.Namespace) -> Face:
     from mien.face.library import load_face
     from mien.output.registry import check_output
 
-    for path in (options.output, *options.also):
-        check_output(path)
+    outputs = [check_output(path) for path in (options.output, *options.also)]
+    _refuse_same_file(outputs, [options.audio, options.text] if hasattr(options, "audio") else [])
     return load_face(options.face)
+
+
+def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> None:
+    """Refuse an output that would overwrite an input, or another output."""
+    read = {Path(path).resolve() for path in inputs if path and len(path) < 1000}
+    written: set[Path] = set()
+    for path in outputs:
+        real = path.resolve()
+        if real in read:
+            raise InputError(f"{path} is both read and written: give the output another name")
+        if real in written:
+            raise InputError(f"{path} is given twice as an output: give each a name of its own")
+        written.add(real)
 
 
 def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> int:
@@ -160,25 +203,25 @@ def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> in
     _tell(notes, options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration
-        print(f"{', '.join(outputs)}: {seconds:.2f} s, {len(animation.channels)} frames at {animation.rate} fps")
+        print(f"{', '.join(outputs)}: {seconds:.2f} s at {animation.rate} frames/s")
     return 0
 
 
 def _align(options: argparse.Namespace) -> int:
     from mien import api
-    from mien.errors import InputError
     from mien.output.registry import check_output
     from mien.textgrid import write_textgrid
 
     if not options.output.lower().endswith(".textgrid"):
         raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
     path = check_output(options.output)
+    _refuse_same_file([path], [options.audio, options.text])
     utterance = api.align(options.audio, options.text)
     write_textgrid((utterance.words, utterance.phones), utterance.duration, path)
     _tell(utterance.notes, options.quiet)
     if not options.quiet:
         spoken = len(utterance.words)
-        print(f"{options.output}: {spoken} words, {len(utterance.phones)} phones and pauses")
+        print(f"{options.output}: words: {spoken}, phones and pauses: {len(utterance.phones)}")
     return 0
 
 

@@ -4,7 +4,7 @@
 
     CORPUS/
       corpus.json             {"format": "mien-corpus", "version": 1, "layout": ..., "licence": ..., "citation": ...}
-      manifest.jsonl          one line per take: name, text, emotion, sentence, speaker, length, digest, source
+      manifest.jsonl          one line per take: name, text, emotion, sentence, speaker, length, digests, source
       reference.npz           one frame per speaker on which all others were laid (written by an import)
       refused.jsonl           one line per recording that did not become a take (written by an import)
       audio/NAME.flac         the sound, 24 bit
@@ -104,9 +104,10 @@ class Corpus:
     def __iter__(self) -> Iterator[Take]:
         return (self.take(name) for name in self.names)
 
-    def digest(self, name: str) -> str:
-        """SHA-256 over the sound and the motion of a take: what tells it from every other take, whatever its name."""
-        return str(self.entries[name]["digest"])
+    def identity(self, name: str) -> str:
+        """What tells a recording from every other, whatever its name and however it was imported (`identity_of`)."""
+        known = self.entries[name].get("identity")
+        return str(known) if known else identity_of(self.take(name))
 
     def take(self, name: str) -> Take:
         """Read one take.
@@ -180,6 +181,7 @@ class Corpus:
             "seconds": round(take.duration, 6),
             "frames": len(take.markers),
             "digest": digest_of(take),
+            "identity": identity_of(take),
             "source": take.source,
         }
 
@@ -217,8 +219,18 @@ class Corpus:
         return entries
 
 
+def identity_of(take: Take) -> str:
+    """SHA-256 over the sound: the same recording has it under any name, recipe, reference frame or tracker.
+
+    A take whose sound is silent is told by its motion as well.
+    """
+    if take.audio.is_silent():
+        return digest_of(take)
+    return hashlib.sha256(take.audio.samples.tobytes()).hexdigest()
+
+
 def digest_of(take: Take) -> str:
-    """SHA-256 over the samples and the marker positions (float32), so that a renamed take is still known."""
+    """SHA-256 over samples and marker positions (float32): whether the files are still those that were written."""
     value = hashlib.sha256()
     value.update(take.audio.samples.tobytes())
     value.update(take.markers.positions.astype(np.float32).tobytes())

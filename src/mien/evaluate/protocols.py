@@ -186,7 +186,7 @@ def evaluate_performer(
     models : mapping of str to FinishedModel
         By the name of the row.
     trained_on : collection of str
-        Digests (`Corpus.digest`) of the takes that it was learned from.
+        Identities (`Corpus.identity`) of the takes that it was learned from.
     corpus : Corpus
     seed : int
         Of the bootstrap.
@@ -194,10 +194,10 @@ def evaluate_performer(
     Raises
     ------
     InputError
-        If it was learned from a take of the corpus (told by its digest, whatever its name), it moves other markers,
+        If it was learned from a take of the corpus (told by its sound, whatever its name), it moves other markers,
         or nothing can be scored.
     """
-    met = [take for take in corpus.names if corpus.digest(take) in trained_on]
+    met = [take for take in corpus.names if corpus.identity(take) in trained_on]
     if met:
         more = f" and {len(met) - 3} more" if len(met) > 3 else ""
         raise InputError(

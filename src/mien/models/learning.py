@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from mien.corpus.corpus import Corpus, digest_of
+from mien.corpus.corpus import Corpus, identity_of
 from mien.corpus.take import Take
 from mien.errors import InputError
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
@@ -73,8 +73,8 @@ def learn(
     paper = Coarticulation(settings.paper).fit(takes)
     cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
     step("curves")
-    digests = tuple(sorted(digest_of(take) for take in takes))
-    return LearnedSpeech(name, motion, paper, cost, digests, dict(about or {}))
+    known = tuple(sorted(identity_of(take) for take in takes))
+    return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}))
 
 
 def learn_corpus(

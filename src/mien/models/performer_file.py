@@ -56,7 +56,7 @@ class LearnedSpeech:
     fitting_cost : ndarray, shape (4, 6)
         Cost of the curves by λ (`curves.PENALTIES`) and degree 1 to 6 (Fig. 9).
     trained_on : tuple of str
-        Digests (`mien.corpus.corpus.digest_of`) of the takes it was learned from.
+        Identities (`mien.corpus.corpus.identity_of`) of the takes it was learned from.
     about : mapping of str to str
         Licence, attribution, corpus.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from importlib.resources.abc import Traversable
 from importlib.util import find_spec
@@ -67,6 +68,9 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     MissingPartError
         If the model's file is damaged, or onnxruntime cannot run it.
     """
+    # The runtime would keep a diary of its use in the home folder and try to send it to its makers; that must be
+    # forbidden before it is imported.
+    os.environ["ORT_DISABLE_TELEMETRY"] = "1"
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
