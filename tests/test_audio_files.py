@@ -118,3 +118,10 @@ def test_a_wav_from_a_pipe_with_unknown_length_is_read(tmp_path: Path) -> None:
     (tmp_path / "a.wav").write_bytes(bytes(content))
     audio, _ = read_audio(tmp_path / "a.wav")
     assert audio.duration == pytest.approx(1.0, abs=0.01)
+
+
+def test_float_sound_above_full_scale_is_turned_down_with_a_note(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", 3 * tone(), 16000, subtype="FLOAT")
+    audio, notes = read_audio(tmp_path / "a.wav")
+    assert "1.20 of full scale" in notes[0].message
+    assert np.abs(audio.samples - tone()[:, 0] * 3 / 1.2).max() < 1e-3

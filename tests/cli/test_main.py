@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -110,3 +113,50 @@ def test_stopping_by_hand_ends_with_130(
     assert main(["say", "Hello.", "-o", str(tmp_path / "a.csv")]) == 130
     assert "stopped" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_no_input_is_overwritten_and_no_output_given_twice(
+    tmp_path: Path, sound: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sound.read_bytes()
+    assert "both read and written" in refused(capsys, "animate", str(sound), "-o", str(sound))
+    (tmp_path / "said.TextGrid").write_text("hello", encoding="utf-8")
+    said = str(tmp_path / "said.TextGrid")
+    assert "both read and written" in refused(capsys, "align", str(sound), "--text", said, "-o", said)
+    twice = ("-o", str(tmp_path / "a.csv"), "--also", str(tmp_path / "." / "a.csv"))
+    assert "given twice" in refused(capsys, "say", "Hello.", *twice)
+    assert sound.read_bytes() == before
+    assert not (tmp_path / "a.csv").exists()
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".csv", "no/such/folder/a.csv"])
+def test_impossible_names_are_refused(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "cannot write" in refused(capsys, "say", "Hello.", "-o", str(tmp_path / name))
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGTERM") or os.name != "posix", reason="signals of POSIX systems")
+def test_a_request_to_end_leaves_nothing_behind(tmp_path: Path) -> None:
+    long = " ".join(["Maybe my papa may buy five very good mauve vans."] * 6)
+    command = [sys.executable, "-m", "mien", "say", long, "-o", str(tmp_path / "a.mp4"), "--fps", "60"]
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 120
+    while not list(tmp_path.iterdir()) and run.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert list(tmp_path.iterdir()), "the video was never begun"
+    run.send_signal(signal.SIGTERM)
+    _, said = run.communicate(timeout=60)
+    assert run.returncode == 130
+    assert "stopped" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_standard_output_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    with Path("/dev/full").open("w") as full:
+        run = subprocess.run(
+            [sys.executable, "-m", "mien", "doctor"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert run.returncode == 2
+    assert run.stderr.count("\n") == 1
+    assert "standard output" in run.stderr
