@@ -55,6 +55,8 @@ wheel: $(VENV)/.dev
 
 sheets: $(VENV)/.dev
 	$(BIN)/python tools/render_sheets.py --out docs/pictures
+	$(BIN)/mien inspect default -o docs/pictures/performer
+	rm -f docs/pictures/performer/key-shapes-*.png
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist

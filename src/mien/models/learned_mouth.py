@@ -39,9 +39,9 @@ __all__ = ["CLARITY", "KEY_SHAPE_SHARE", "LearnedMouth", "nearest_sites"]
 
 Floats = NDArray[np.float64]
 
-KEY_SHAPE_SHARE = 0.7
+KEY_SHAPE_SHARE = 0.8
 """Default share of the face's key shapes against the speaker's marker motion. Authored: chosen by looking."""
-CLARITY = 3.0
+CLARITY = 4.0
 """Default power of the influences under which key shapes are blended: 1 as learned (least squares averages over many
 takes and mumbles), more for clearer speech. Authored: chosen by looking."""
 NOT_BY_MARKERS = (*channels.TONGUE, "tongueOut", "cheekPuff", "mouthClose", "jawForward")
