@@ -26,7 +26,8 @@ from mien.audio import Audio
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.models.performer import Performer
-from mien.output.video import write_video
+from mien.models.performers import load_performer
+from mien.output.video import write_frames, write_video
 from mien.pipeline import perform
 from mien.render.renderer import Renderer
 from mien.script.score import EmotionSpan, Score
@@ -54,7 +55,7 @@ def recording(sentences: int) -> tuple[Audio, str]:
     return synthesise(text).audio, text
 
 
-def stages(audio: Audio, text: str) -> dict[str, float]:
+def stages(audio: Audio, text: str, performer: Performer) -> dict[str, float]:
     """Seconds per stage."""
     spent: dict[str, float] = {}
     clock = time.perf_counter()
@@ -66,7 +67,7 @@ def stages(audio: Audio, text: str) -> dict[str, float]:
 
     utterance = align(audio, text)
     lap("align")
-    animation = perform(utterance, SCORE, Performer.authored(), RATE)
+    animation = perform(utterance, SCORE, performer, RATE)
     lap("motion")
     face = load_face("default")
     poser, renderer = Poser(face, channels.ALL), Renderer(face)
@@ -74,19 +75,23 @@ def stages(audio: Audio, text: str) -> dict[str, float]:
     posed = [poser.pose(row) for row in animation.channels.values[:90]]
     lap("pose")
     spent["pose"] *= len(animation.channels) / 90
-    for picture in posed:
-        renderer.render(picture)
+    pictures = [renderer.render(picture) for picture in posed]
     lap("render")
-    spent["render"] *= len(animation.channels) / 90
+    with tempfile.TemporaryDirectory() as folder:
+        sound = Audio(audio.samples[: 3 * audio.rate], audio.rate)
+        write_frames(iter(pictures), RATE.fraction, sound, Path(folder) / "line.mp4", (1280, 720))
+    lap("encode")
+    for stage in ("render", "encode"):
+        spent[stage] *= len(animation.channels) / 90
     with tempfile.TemporaryDirectory() as folder:
         write_video(animation, face, Path(folder) / "line.mp4")
     lap("pose + render + encode, in parallel")
     return spent
 
 
-def warm_up() -> None:
+def warm_up(performer: Performer) -> None:
     """Compile what is compiled on first use, so that it does not count."""
-    animation: Animation = perform(synthesise("Papa."), SCORE, Performer.authored(), RATE)
+    animation: Animation = perform(synthesise("Papa."), SCORE, performer, RATE)
     with tempfile.TemporaryDirectory() as folder:
         write_video(animation, load_face("default"), Path(folder) / "line.mp4")
 
@@ -106,11 +111,12 @@ def main() -> None:
     parser.add_argument("--sentences", type=int, nargs="+", default=[3, 6, 13], help="lengths to try")
     parser.add_argument("--print-only", action="store_true")
     options = parser.parse_args()
-    warm_up()
+    performer = load_performer()
+    warm_up(performer)
     columns = []
     for sentences in options.sentences:
         audio, text = recording(sentences)
-        columns.append((audio.duration, stages(audio, text)))
+        columns.append((audio.duration, stages(audio, text, performer)))
     head = "| stage | " + " | ".join(f"{duration:.0f} s of speech" for duration, _ in columns) + " |"
     lines = [
         "# Speed of `mien animate`",
