@@ -13,7 +13,6 @@ from mien.evaluate.splits import (
     named_fold,
     random_folds,
     read_list,
-    without,
     words_fold,
     words_folds,
     words_of,
@@ -57,18 +56,6 @@ def test_word_folds_leave_every_word_out_once() -> None:
 def test_a_named_test() -> None:
     fold = named_fold(takes(4), ["take02", "take00", "take02"])
     assert fold == Fold(train=("take01", "take03"), test=("take00", "take02"))
-
-
-def test_takes_without_words_and_names() -> None:
-    every = takes(16)
-    kept = without(every, words=["Tea"], names=["take03"])
-    expected = [take.name for take in every if "tea" not in words_of(take) and take.name != "take03"]
-    assert [take.name for take in kept] == expected
-    assert without(every) == every
-    with pytest.raises(InputError, match="none of the 16 takes is left to learn from"):
-        without(every, words=["ma", "tea", "me", "ta"])
-    with pytest.raises(InputError, match="not in the corpus: nobody"):
-        without(every, names=["nobody"])
 
 
 def test_lists_are_words_parted_by_white_space_with_comments(tmp_path: Path) -> None:

@@ -28,7 +28,6 @@ __all__ = [
     "named_fold",
     "random_folds",
     "read_list",
-    "without",
     "words_fold",
     "words_folds",
     "words_of",
@@ -166,23 +165,6 @@ def words_folds(takes: Sequence[Take], folds: int, random: np.random.Generator) 
         for word, part in zip(group, random.permutation(PARTS), strict=False):
             parts[part].append(word)
     return [words_fold(takes, part) for part in parts[:folds]]
-
-
-def without(takes: Sequence[Take], *, words: Iterable[str] = (), names: Iterable[str] = ()) -> list[Take]:
-    """The takes that hold none of the words and have none of the names: what ``mien learn --exclude-...`` learns from.
-
-    Raises
-    ------
-    InputError
-        If a word is never said or a name is not in the corpus, or no take is left.
-    """
-    left_out = set(check_names(names, [take.name for take in takes]))
-    spoken = {take.name: words_of(take) for take in takes}
-    barred = check_words(words, frozenset().union(*spoken.values()))
-    kept = [take for take in takes if take.name not in left_out and not spoken[take.name] & barred]
-    if not kept:
-        raise InputError(f"none of the {len(takes)} takes is left to learn from: every one is excluded; exclude fewer")
-    return kept
 
 
 def _check_folds(folds: int) -> None:
