@@ -3,13 +3,15 @@
     python benchmarks/grid_corpus.py                    imports them first (about ten minutes on two cores)
     python benchmarks/grid_corpus.py --corpus FOLDER    takes a corpus that was imported from them already
 
-Writes docs/tables/corpus.md. Needs the shared recordings (MIEN_DATA, or ../shared/data beside the clone).
+Writes docs/tables/corpus.md, and the same as a section of docs/results.md. Needs the shared recordings (MIEN_DATA, or
+../shared/data beside the clone).
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -27,9 +29,11 @@ from mien.corpus.layouts import load_layout
 from mien.corpus.take import Take
 from mien.corpus.tracker import tracker_python
 from mien.errors import MissingPartError
+from mien.evaluate.report import put_section
 
 ROOT = Path(__file__).parent.parent
 OUT = ROOT / "docs" / "tables" / "corpus.md"
+RESULTS = ROOT / "docs" / "results.md"
 Floats = NDArray[np.float64]
 TICKS = 25_000
 VIDEOS = 6
@@ -52,8 +56,15 @@ def main() -> None:
         parts = [head(), *imported(corpus, data), *words_table(corpus, data), *variance_table(corpus)]
         parts += [*jitter_table(corpus), *video_table(corpus, data, Path(folder))]
     OUT.parent.mkdir(parents=True, exist_ok=True)
-    OUT.write_text("\n".join(parts) + "\n", encoding="utf-8")
+    text = "\n".join(parts) + "\n"
+    OUT.write_text(text, encoding="utf-8")
+    put_section(RESULTS, "corpus", _one_level_down(text))
     print(OUT.read_text(encoding="utf-8"))
+
+
+def _one_level_down(text: str) -> str:
+    """Markdown whose headings stand two levels lower, as a section of a longer file."""
+    return re.sub(r"^(#+) ", r"##\1 ", text, flags=re.MULTILINE)
 
 
 def head() -> str:
