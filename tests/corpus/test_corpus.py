@@ -11,6 +11,7 @@ from mien.audio import Audio
 from mien.corpus.corpus import Corpus, digest_of, identity_of
 from mien.corpus.take import Take
 from mien.errors import InputError
+from mien.textgrid import write_textgrid
 from mien.timeline import FrameRate
 from mien.tracks import MarkerTrack
 from tests.utterances import utterance
@@ -101,3 +102,28 @@ def test_a_recording_with_sound_is_known_however_its_motion_was_treated() -> Non
     )
     assert identity_of(one) == identity_of(other)
     assert digest_of(one) != digest_of(other)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\xb8\x00\xff", "damaged or not readable"),
+        (b"not json\n", "line 1: expected one take as JSON"),
+        (b"5\n", "line 1: expected one take as JSON"),
+        (b'{"name": "one"}\n', "line 1: expected one take, it lacks text"),
+    ],
+)
+def test_a_damaged_manifest_is_one_line(tmp_path: Path, content: bytes, words: str) -> None:
+    Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    (tmp_path / "corpus" / "manifest.jsonl").write_bytes(content)
+    with pytest.raises(InputError, match=words) as caught:
+        Corpus(tmp_path / "corpus")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_textgrid_without_its_tiers_is_named(tmp_path: Path) -> None:
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "tiny"})
+    corpus.add(take())
+    write_textgrid((), 1.0, tmp_path / "corpus" / "textgrid" / "one.TextGrid")
+    with pytest.raises(InputError, match=r"one\.TextGrid: expected the tiers words and phones"):
+        corpus.take("one")

@@ -39,6 +39,7 @@ from mien.tracks import ChannelTrack, MarkerTrack
 __all__ = ["FORMAT", "VERSION", "Corpus"]
 
 FORMAT, VERSION = "mien-corpus", 1
+_IN_EVERY_LINE = ("name", "text", "emotion", "sentence", "speaker", "digest", "source")
 
 
 class Corpus:
@@ -131,7 +132,10 @@ class Corpus:
                     channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
         except (OSError, ValueError, KeyError, BadZipFile) as problem:
             raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
-        tiers = {tier.name: tier for tier in read_textgrid(self.folder / "textgrid" / f"{name}.TextGrid")}
+        grid = self.folder / "textgrid" / f"{name}.TextGrid"
+        tiers = {tier.name: tier for tier in read_textgrid(grid)}
+        if not {"words", "phones"} <= set(tiers):
+            raise InputError(f"{grid}: expected the tiers words and phones, got {sorted(tiers)}; import the take again")
         return Take(
             name=name,
             audio=_read_sound(self.folder / "audio" / f"{name}.flac"),
@@ -209,13 +213,20 @@ class Corpus:
         path = self.folder / "manifest.jsonl"
         if not path.exists():
             return {}
+        try:
+            lines = path.read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError) as problem:
+            raise InputError(f"{path}: damaged or not readable ({problem}); import the recordings again") from problem
         entries = {}
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+        for number, line in enumerate(lines, start=1):
             try:
                 entry = json.loads(line)
-                entries[str(entry["name"])] = entry
-            except (ValueError, KeyError, TypeError) as problem:
+                missing = [key for key in _IN_EVERY_LINE if key not in entry]
+            except (ValueError, TypeError) as problem:
                 raise InputError(f"{path}, line {number}: expected one take as JSON ({problem})") from problem
+            if missing:
+                raise InputError(f"{path}, line {number}: expected one take, it lacks {', '.join(missing)}")
+            entries[str(entry["name"])] = entry
         return entries
 
 
