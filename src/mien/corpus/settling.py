@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from mien.corpus.cleaning.clean import Cleaned, CleanSettings, clean
 from mien.corpus.cleaning.faults import find_faults
 from mien.corpus.cleaning.jitter import JitterSettings
-from mien.corpus.cleaning.normalise import apply, best_similarity
 from mien.corpus.cleaning.perspective import to_millimetres
 from mien.corpus.cleaning.spikes import SpikeSettings
 from mien.corpus.cleaning.swaps import SwapSettings
@@ -110,9 +109,6 @@ def settled(raw: Raw, recipe: Recipe, layout: Layout, reference: Floats, source:
     cleaned = _cleaned(recorded, recipe, layout, reference, seconds, source)
     names = cleaned.track.names
     head, track = _held(cleaned.head), cleaned.track
-    if recipe.method == "similarity":
-        rigid = [i for i, name in enumerate(names) if name in layout.rigid]
-        track, head = _laid_by_similarity(track, head, rigid, reference[layout.index(names)])
     filled = round(cleaned.report.filled * len(recorded) * len(names))
     dropped = tuple(name for name in layout.markers if name not in names)
     return Settled(_in_full(track, layout), head, filled, dropped, (*notes, *_told(cleaned, source)))
@@ -152,25 +148,6 @@ def _cleaned(
         return clean(track, layout.motion_groups(), settings, reference, seconds)
     except InputError as problem:
         raise InputError(f"{source}: {problem}") from problem
-
-
-def _laid_by_similarity(
-    track: MarkerTrack, head: Floats, rigid: list[int], reference: Floats
-) -> tuple[MarkerTrack, Floats]:
-    """Each frame laid on the reference with a scale of its own, the misfit measured on the reference.
-
-    The fit of `clean` measures it on the recorded frame and so shrinks every frame a little less: on GRID speaker 1 the
-    two differ by up to 0.6 mm.
-    """
-    positions, motion = track.positions.copy(), head.copy()
-    for frame, points in enumerate(track.positions[:, rigid]):
-        seen = np.isfinite(points).all(axis=1) & np.isfinite(reference[rigid]).all(axis=1)
-        if seen.sum() < 3:
-            continue
-        fit = best_similarity(points[seen], reference[rigid][seen], np.ones(int(seen.sum())), scale=True)
-        positions[frame] = apply(fit[None], track.positions[frame][None])[0]
-        motion[frame] = head[frame] @ np.linalg.inv(fit)
-    return MarkerTrack(track.names, positions, track.rate), motion
 
 
 def _held(head: Floats) -> Floats:
