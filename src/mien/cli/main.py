@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, inspect, learn
+from mien.cli import evaluate, inspect, learn, serve
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.record import add_record_command
 from mien.errors import InputError, MienError, Note
@@ -109,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     learn.add_command(commands)
     evaluate.add_command(commands)
     inspect.add_command(commands)
+    serve.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)

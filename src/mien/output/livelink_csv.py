@@ -22,7 +22,7 @@ from mien.livelink import COLUMNS, HEAD_SIGNS, MOTION_COLUMNS, read_livelink
 from mien.timeline import timecode
 from mien.tracks import ChannelTrack
 
-__all__ = ["COLUMNS", "EYE_DEGREES", "read_livelink", "write_livelink"]
+__all__ = ["COLUMNS", "EYE_DEGREES", "livelink_motion", "read_livelink", "write_livelink"]
 
 EYE_DEGREES: dict[str, float] = {"Up": 18.0, "Down": 24.0, "In": 28.0, "Out": 30.0}
 """How far an eye turns at weight 1 of its eyeLook channels, degrees. Authored, not measured: a CSV knows no face."""
@@ -39,10 +39,7 @@ def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
         If the file cannot be written.
     """
     track = animation.channels
-    values = np.hstack(
-        [track.select(ARKIT).values, np.radians(track.select(HEAD).values) * HEAD_SIGNS, _eye_angles(track)]
-    )
-    values += 0.0  # no "-0.00000000"
+    values = livelink_motion(track)
     rows = [",".join(COLUMNS)]
     for frame, row in enumerate(values):
         numbers = ",".join(f"{round(number, 8) + 0.0:.8f}" for number in row)
@@ -54,6 +51,13 @@ def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
     whole = math.ceil(track.rate.fraction)
     message = f"the timecode in {Path(path).name} counts {whole} frames per second: tell the importer {track.rate} fps"
     return (Note("note", message),)
+
+
+def livelink_motion(track: ChannelTrack) -> NDArray[np.float64]:
+    """The numbers of `mien.livelink.MOTION_COLUMNS` for every frame, shape (frames, 61); missing channels are zero."""
+    angles = np.radians(track.select(HEAD).values) * HEAD_SIGNS
+    motion: NDArray[np.float64] = np.hstack([track.select(ARKIT).values, angles, _eye_angles(track)])
+    return motion + 0.0  # no "-0.00000000"
 
 
 def _eye_angles(track: ChannelTrack) -> NDArray[np.float64]:

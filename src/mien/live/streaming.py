@@ -1,0 +1,116 @@
+"""An animation played in real time to whoever listens: `stream`."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from mien.animation import Animation
+from mien.live.clock import Clock, RealClock, frames_due
+from mien.live.datagrams import Encode, datagrams
+from mien.live.frames import Frame, Greeting
+from mien.live.hub import Hub
+from mien.live.sockets import Access, websocket_stream
+
+__all__ = ["Outlets", "Played", "greeting_of", "stream"]
+
+
+@dataclass(frozen=True)
+class Outlets:
+    """Where a stream goes.
+
+    Attributes
+    ----------
+    websocket : Access or None
+    datagrams : sequence of ((host, port), encoder)
+        Packets for engines (`mien.live.datagrams`).
+    """
+
+    websocket: Access | None = None
+    datagrams: Sequence[tuple[tuple[str, int], Encode]] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True)
+class Played:
+    """What a finished stream did.
+
+    Attributes
+    ----------
+    frames, skipped : int
+        Frames sent, and frames passed over because the machine was late.
+    """
+
+    frames: int
+    skipped: int
+
+
+def greeting_of(animation: Animation) -> Greeting:
+    """The greeting of a stream of an animation: its text, words and phones are among the facts."""
+    speech = animation.utterance
+
+    def told(tier: Any) -> list[list[Any]]:
+        return [[round(i.start, 4), round(i.end, 4), i.label] for i in tier]
+
+    facts = {
+        "text": speech.text,
+        "seconds": speech.duration,
+        "words": told(speech.words),
+        "phones": told(speech.phones),
+        "performer": animation.provenance.performer,
+    }
+    return Greeting(animation.channels.names, animation.rate.fps, facts)
+
+
+async def stream(
+    animation: Animation,
+    outlets: Outlets,
+    *,
+    loop: bool = False,
+    wait: bool = False,
+    clock: Clock | None = None,
+    opened: Callable[[int | None], None] = lambda port: None,
+) -> Played:
+    """Play an animation in real time.
+
+    Parameters
+    ----------
+    animation : Animation
+    outlets : Outlets
+    loop : bool
+        Begin again at the end, until stopped; frame numbers and times go on.
+    wait : bool
+        Begin when the first WebSocket client has come.
+    clock : Clock or None
+        None takes the machine's.
+    opened : callable (port or None)
+        Called once all outlets are open, with the port of the WebSocket.
+
+    Raises
+    ------
+    OutputError
+        If an address cannot be listened on or sent to.
+    """
+    values, rate, hub = animation.channels.values, animation.rate, Hub()
+    sent = last = 0
+    async with contextlib.AsyncExitStack() as open_outlets:
+        senders = [(await open_outlets.enter_async_context(datagrams(a)), encode) for a, encode in outlets.datagrams]
+        port = None
+        if outlets.websocket is not None:
+            port = await open_outlets.enter_async_context(
+                websocket_stream(hub, greeting_of(animation), outlets.websocket)
+            )
+        opened(port)
+        if wait:
+            await hub.occupied()
+        async for number in frames_due(rate, clock or RealClock()):
+            if number >= len(values) and not loop:
+                break
+            frame = Frame(number, rate.time_of(number), values[number % len(values)])
+            hub.publish(frame)
+            for send, encode in senders:
+                send(encode(frame))
+            sent, last = sent + 1, number + 1
+        hub.end()
+    return Played(sent, last - sent)
