@@ -6,6 +6,7 @@ import pytest
 from mien import channels
 from mien.models.performer import Performer
 from mien.pipeline import blend, perform
+from mien.script.curves import ParameterCurve
 from mien.script.score import EmotionSpan, Score
 from mien.timeline import FrameRate
 from tests.utterances import utterance
@@ -63,3 +64,25 @@ def test_silence_is_alive() -> None:
     assert animation.channels.channel("eyeBlinkLeft").max() > 0.99
     assert animation.channels.channel("headYaw").std() > 0.3
     assert not animation.channels.channel("jawOpen").any()
+
+
+def test_a_curve_is_laid_over_the_motion() -> None:
+    rate = FrameRate.of(50)
+    plain = perform(LINE, Score(), PERFORMER, rate).channels
+    curve = ParameterCurve("HeadNod", ((500, 0), (700, 0.1), (900, 0)))
+    nodding = perform(LINE, Score(curves=(curve,)), PERFORMER, rate).channels
+    difference = nodding.values - plain.values
+    assert difference[rate.nearest_frame(0.7), channels.ALL.index("headPitch")] == pytest.approx(-6)
+    moved = np.flatnonzero(np.abs(difference).max(axis=0) > 1e-12)
+    assert [channels.ALL[column] for column in moved] == ["headPitch"]
+
+
+def test_an_added_curve_leaves_closures_shut_and_a_set_one_is_exact() -> None:
+    rate, middle_of_p = FrameRate.of(50), FrameRate.of(50).nearest_frame(0.64)
+    plain = perform(LINE, Score(), PERFORMER, rate).channels.channel("jawOpen")
+    keys = ((0.0, 0.6), (1000.0, 0.6))
+    added = perform(LINE, Score(curves=(ParameterCurve("jawOpen", keys),)), PERFORMER, rate).channels.channel("jawOpen")
+    assert added[middle_of_p] <= plain[middle_of_p] + 1e-9
+    assert added.max() > plain.max() + 0.2
+    exact = perform(LINE, Score(curves=(ParameterCurve("jawOpen", keys, mode="set"),)), PERFORMER, rate)
+    assert (exact.channels.channel("jawOpen")[:51] == 0.6).all()

@@ -4,10 +4,12 @@ mouth       what the phones ask of the mouth, and when the lips must stay shut
 expression  what the emotions ask of the whole face
 idle        blinks, glances, a moving head
 blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
+direct      curves of the score (gestures, gaze, action units) are laid over the result
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.metadata import version
 
 import numpy as np
@@ -16,12 +18,13 @@ from numpy.typing import NDArray
 from mien import channels
 from mien.animation import Animation, Provenance
 from mien.models.performer import Performer
+from mien.script.curves import ParameterCurve, lay_over
 from mien.script.score import Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
 from mien.tracks import ChannelTrack
 
-__all__ = ["blend", "perform"]
+__all__ = ["blend", "direct", "perform"]
 
 _WEIGHTS = slice(0, len(channels.ARKIT) + len(channels.TONGUE))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
@@ -51,8 +54,9 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
     idle = performer.idle.perform(utterance, rate, for_idle)
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
+    values = direct(blend(mouth.values, expression * share, idle), score.curves, rate, share)
     return Animation(
-        channels=ChannelTrack(channels.ALL, blend(mouth.values, expression * share, idle), rate),
+        channels=ChannelTrack(channels.ALL, values, rate),
         markers=mouth.markers,
         utterance=utterance,
         score=score,
@@ -73,5 +77,23 @@ def blend(
     blink = np.clip(idle[:, _BLINK].max(axis=1), 0, 1)
     values[:, _LIDS] *= 1 - blink[:, None]
     values[:, _BLINK] = 1 - (1 - np.clip((mouth + expression)[:, _BLINK], 0, 1)) * (1 - blink[:, None])
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    return values
+
+
+def direct(
+    values: NDArray[np.float64], curves: Sequence[ParameterCurve], rate: FrameRate, share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay the score's curves over motion; all of shape (frames, channels).
+
+    What is added gives way where the lips are shut, by ``share`` as expressions do; what is set is set exactly. Lids
+    that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1].
+    """
+    if not curves:
+        return values
+    times = rate.times(len(values))
+    values = lay_over(values, channels.ALL, curves, times, share)
+    asked = lay_over(np.zeros_like(values), channels.ALL, [c for c in curves if c.mode == "add"], times)
+    values[:, _LIDS] *= 1 - np.clip(asked[:, _BLINK].max(axis=1, keepdims=True), 0, 1)
     values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
     return values

@@ -17,6 +17,7 @@ from mien.animation import Animation, Provenance
 from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
 from mien.output.native import read_native, write_native
+from mien.script.curves import INTERPOLATIONS, MODES, ParameterCurve
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate, Interval, Tier
@@ -59,6 +60,14 @@ sounds = st.builds(
     st.integers(1000, 384_000),
 )
 spans = st.builds(EmotionSpan, texts, st.floats(0, 1), st.none() | times, st.none() | times)
+curves = st.builds(
+    ParameterCurve,
+    st.sampled_from(["HeadNod", "jawOpen", "mouthSmile"]),
+    st.lists(st.tuples(times, finite), min_size=1, max_size=4).map(lambda keys: tuple(sorted(keys))),
+    st.sampled_from(INTERPOLATIONS),
+    st.sampled_from(MODES),
+    st.floats(0, 1000),
+)
 utterances = st.builds(
     Utterance,
     texts,
@@ -74,7 +83,7 @@ animations = st.builds(
     channel_tracks(),
     st.none() | marker_tracks(),
     utterances,
-    st.lists(spans, max_size=3).map(lambda spans: Score(tuple(spans))),
+    st.builds(Score, st.lists(spans, max_size=3).map(tuple), st.lists(curves, max_size=2).map(tuple)),
     st.builds(Provenance, texts, st.integers(), texts),
     notes,
 )
@@ -106,7 +115,8 @@ def test_every_field_is_written():
     known = {
         Animation: {"channels", "markers", "utterance", "score", "provenance", "notes"},
         Utterance: {"text", "audio", "words", "phones", "language", "timing", "notes"},
-        Score: {"emotions"},
+        Score: {"emotions", "curves"},
+        ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         EmotionSpan: {"name", "intensity", "start", "end"},
         Provenance: {"performer", "seed", "version"},
         Note: {"kind", "message"},

@@ -23,6 +23,7 @@ from mien.animation import Animation, Provenance
 from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
 from mien.files import replace_when_complete
+from mien.script.curves import ParameterCurve
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import MAX_FPS, FrameRate, Interval, Tier
@@ -86,7 +87,10 @@ def _plain(animation: Animation) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "provenance": vars(animation.provenance) | {"seed": int(animation.provenance.seed)},
-        "score": {"emotions": [vars(span) for span in animation.score.emotions]},
+        "score": {
+            "emotions": [vars(span) for span in animation.score.emotions],
+            "curves": [vars(curve) for curve in animation.score.curves],
+        },
         "notes": [vars(note) for note in animation.notes],
         "utterance": {
             "text": speech.text,
@@ -221,7 +225,7 @@ def _animation(root: _Node) -> Animation:
             channels=_channels(root.get("channels")),
             markers=None if root.get("markers").value is None else _markers(root.get("markers")),
             utterance=_utterance(root.get("utterance")),
-            score=Score(tuple(_emotion(span) for span in root.get("score").get("emotions").items())),
+            score=_score(root.get("score")),
             provenance=Provenance(
                 origin.get("performer").text(), origin.get("seed").whole(), origin.get("version").text()
             ),
@@ -274,6 +278,25 @@ def _tier(node: _Node) -> Tier:
         return Interval(parts[0].number(), parts[1].number(), parts[2].text())
 
     return Tier(node.get("name").text(), tuple(interval(item) for item in node.get("intervals").items()))
+
+
+def _score(node: _Node) -> Score:
+    emotions = tuple(_emotion(span) for span in node.get("emotions").items())
+    written_before = "curves" not in node.value  # files of mien 0.1 have none
+    return Score(emotions, () if written_before else tuple(_curve(curve) for curve in node.get("curves").items()))
+
+
+def _curve(node: _Node) -> ParameterCurve:
+    keys = [[number.number() for number in key.items()] for key in node.get("keys").items()]
+    if any(len(key) != 2 for key in keys):
+        raise node.get("keys").fault("a key is [milliseconds, value]")
+    return ParameterCurve(
+        node.get("parameter").text(),
+        tuple((key[0], key[1]) for key in keys),
+        node.get("interpolation").text(),
+        cast(Any, node.get("mode").text()),
+        node.get("fade").number(),
+    )
 
 
 def _emotion(node: _Node) -> EmotionSpan:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mien.errors import InputError
+from mien.script.curves import ParameterCurve
 
 __all__ = ["EmotionSpan", "Score"]
 
@@ -55,6 +56,14 @@ class EmotionSpan:
 
 @dataclass(frozen=True)
 class Score:
-    """Everything that is asked of a performance besides the words themselves."""
+    """Everything that is asked of a performance besides the words themselves.
+
+    Attributes
+    ----------
+    emotions : tuple of EmotionSpan
+    curves : tuple of ParameterCurve
+        Face parameters over time, as commands and scripts ask for them; laid over the rest of the motion.
+    """
 
     emotions: tuple[EmotionSpan, ...] = ()
+    curves: tuple[ParameterCurve, ...] = ()
