@@ -1,0 +1,4 @@
+"""The Anime Graph (Cao et al. 2005): recorded motion kept phone by phone, and found again for new speech.
+
+`graph` holds what was recorded.
+"""
