@@ -6,7 +6,7 @@ import numpy as np
 
 from mien.animation import Animation, Provenance
 from mien.audio import Audio
-from mien.channels import ALL, ARKIT, TONGUE
+from mien.channels import ALL, ARKIT, MUSCLES, TONGUE
 from mien.errors import Note
 from mien.face.face import Eye, Face, Material, Part, Target
 from mien.script.score import EmotionSpan, Score
@@ -41,7 +41,7 @@ def tiny_face() -> Face:
     """A head of some 600 vertices: skin with a texture and a neck, teeth, tongue and two eyeballs."""
     vertices, triangles, uv = ball((0, -30, -75), (75, 115, 90), 16, 24)
     targets = {}
-    for number, name in enumerate(ARKIT):
+    for number, name in enumerate((*ARKIT, *MUSCLES)):
         if name.startswith("eyeLook"):
             continue
         angle = 2.4 * number

@@ -32,7 +32,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_seed_does_not() -> None:
 @pytest.mark.parametrize("emotion", EMOTIONS)
 def test_weights_stay_in_range_under_every_emotion(emotion: str) -> None:
     values = perform(LINE, Score((EmotionSpan(emotion),)), PERFORMER, FrameRate.of(30)).channels
-    weights = values.select(channels.ARKIT + channels.TONGUE).values
+    weights = values.select(channels.WEIGHTS).values
     assert weights.min() >= 0
     assert weights.max() <= 1
 

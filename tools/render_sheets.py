@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import mien
-from mien.channels import ALL, ARKIT, TONGUE
+from mien.channels import ALL, TONGUE, WEIGHTS
 from mien.errors import unknown_name
 from mien.face.face import Face
 from mien.face.library import load_face
@@ -61,7 +61,14 @@ FRAMINGS = {"portrait": (330.0, -30.0), "face": (235.0, -18.0), "mouth": (95.0, 
 
 def _companions(name: str) -> dict[str, float]:
     """What a shape is shown with, where it makes no sense alone."""
-    with_jaw = {"mouthClose": 1.0, "tongueOut": 0.3, "tongueTipUp": 0.3, "tongueBackUp": 0.4}
+    with_jaw = {
+        "mouthClose": 1.0,
+        "tongueOut": 0.3,
+        "tongueTipUp": 0.3,
+        "tongueBackUp": 0.4,
+        "tongueBladeUp": 0.4,
+        "tongueCurl": 0.4,
+    }
     return {"jawOpen": with_jaw[name]} if name in with_jaw else {}
 
 
@@ -105,7 +112,7 @@ def _line_shots() -> tuple[Shot, ...]:
 
 
 def _shape_shots() -> tuple[Shot, ...]:
-    return tuple(_shape_shot(name) for name in (*ARKIT, *TONGUE))
+    return tuple(_shape_shot(name) for name in WEIGHTS)
 
 
 SHEETS: dict[str, Sheet] = {

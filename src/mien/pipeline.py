@@ -26,7 +26,7 @@ from mien.tracks import ChannelTrack
 
 __all__ = ["blend", "direct", "perform"]
 
-_WEIGHTS = slice(0, len(channels.ARKIT) + len(channels.TONGUE))
+_WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
 _LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
 

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from mien.channels import ARKIT, TONGUE
+from mien.channels import ARKIT, BEYOND_ARKIT, WEIGHTS
 from mien.face.face import Face, Part
 from mien.face.library import load_face
 from mien.face.posing import Poser
@@ -27,6 +27,11 @@ CLOSED_MOUTH = (
     "mouthShrugLower",
     "jawLeft",
     "cheekPuff",
+    "mouthSharpPullLeft",
+    "mouthTightenLeft",
+    "nasolabialDeepenLeft",
+    "noseFlareLeft",
+    "noseCompressLeft",
 )
 # The lips together for /p b m/: what the talking mouth uses, and the same with the jaw ajar.
 CLOSURES = (
@@ -44,7 +49,7 @@ def face() -> Face:
 
 @pytest.fixture(scope="module")
 def posed(face: Face) -> Callable[..., dict[str, Floats]]:
-    names = (*ARKIT, *TONGUE)
+    names = WEIGHTS
     poser = Poser(face, names)
 
     def pose(**weights: float) -> dict[str, Floats]:
@@ -125,8 +130,8 @@ def seen_teeth(face: Face, shape: dict[str, Floats]) -> float:
 def test_every_channel_of_arkit_moves_something(face: Face) -> None:
     moved = {name for part in face.parts for name in part.targets}
     assert set(ARKIT) - moved == set()
-    assert set(TONGUE) <= moved
-    assert moved <= set(ARKIT) | set(TONGUE)
+    assert set(BEYOND_ARKIT) - moved == set()
+    assert moved <= set(WEIGHTS)
 
 
 def test_eyes_turn_rigidly_and_carry_no_targets(face: Face) -> None:
@@ -186,7 +191,7 @@ def _dense(part: Part, name: str) -> Floats:
     return offsets
 
 
-@pytest.mark.parametrize("left", [name for name in ARKIT if "Left" in name])
+@pytest.mark.parametrize("left", [name for name in WEIGHTS if "Left" in name])
 def test_pairs_of_channels_mirror_each_other(face: Face, left: str) -> None:
     skin = face.part("skin")
     partner, distance = _mirror_of(skin)
@@ -219,7 +224,9 @@ def test_closures_show_nothing_between_the_lips(
 def test_shapes_of_a_closed_mouth_keep_it_closed(
     face: Face, posed: Callable[..., dict[str, Floats]], name: str, weight: float
 ) -> None:
-    pairs = {name: weight} | ({name.replace("Left", "Right"): weight} if name.startswith("mouth") else {})
+    pairs = {name: weight} | (
+        {name.replace("Left", "Right"): weight} if name.startswith(("mouth", "nas", "nos")) else {}
+    )
     weights = {name: weight} if name in ("mouthLeft", "jawLeft") else pairs
     assert seen_teeth(face, posed(**weights)) <= 1.0
 

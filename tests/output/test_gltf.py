@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mien.channels import ALL, ARKIT, TONGUE
+from mien.channels import ALL, ARKIT, MUSCLES, TONGUE
 from mien.errors import InputError
 from mien.face.library import load_face
 from mien.face.posing import Poser
@@ -59,16 +59,16 @@ def test_vertices_agree_with_poser(written, frame):
 def test_target_names(written):
     glb = written[2].gltf
     meshes = {mesh.name: mesh for mesh in glb.meshes}
-    assert meshes["face"].extras["targetNames"] == list(ARKIT)
+    assert meshes["face"].extras["targetNames"] == list(ARKIT + MUSCLES)
     assert meshes["tongue"].extras["targetNames"] == list(ARKIT + TONGUE)
-    assert all(len(primitive.targets) == 52 for primitive in meshes["face"].primitives)
+    assert all(len(primitive.targets) == 52 + len(MUSCLES) for primitive in meshes["face"].primitives)
 
 
 def test_times_are_exact(written):
     animation, _, glb, _ = written
     times, weights = glb.track(glb.node("face"), "weights")
     assert np.array_equal(times, (np.arange(30) / 25).astype(np.float32))
-    assert np.array_equal(weights, animation.channels.select(ARKIT).values.astype(np.float32))
+    assert np.array_equal(weights, animation.channels.select(ARKIT + MUSCLES).values.astype(np.float32))
     facts = glb.gltf.animations[0].extras["mien"]
     assert facts["audioStartSeconds"] == 0.0
     assert facts["audioDurationSeconds"] == animation.utterance.duration
@@ -133,7 +133,7 @@ def test_untouched_targets_take_no_bytes(written):
 
 def test_no_frames(tmp_path):
     animation = tiny_animation()
-    still = replace(animation, channels=ChannelTrack(ALL, np.zeros((0, 57)), FrameRate.of(25)))
+    still = replace(animation, channels=ChannelTrack(ALL, np.zeros((0, len(ALL))), FrameRate.of(25)))
     with pytest.raises(InputError, match="no frames"):
         write_glb(still, tiny_face(), tmp_path / "none.glb")
     assert list(tmp_path.iterdir()) == []

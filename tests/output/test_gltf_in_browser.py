@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from mien.animation import Animation
-from mien.channels import ALL, ARKIT, HEAD, TONGUE
+from mien.channels import ALL, ARKIT, HEAD, MUSCLES, TONGUE
 from mien.face.library import known_faces, load_face
 from mien.face.posing import eye_rotation, head_rotation
 from mien.output.gltf import write_glb
@@ -63,7 +63,7 @@ def check(animation, face, browser, folder: Path) -> dict:
     assert seen["facts"]["duration"] == pytest.approx(times[-1], abs=1e-6)
     assert seen["facts"]["extras"]["mien"]["audioStartSeconds"] == 0.0
     for mesh in seen["facts"]["meshes"]:
-        names = ARKIT + TONGUE if "tongue" in mesh["name"] else ARKIT
+        names = ARKIT + (TONGUE if "tongue" in mesh["name"] else MUSCLES)
         assert mesh["dictionary"] == {name: number for number, name in enumerate(names)}
     for frame, moment in zip(frames, seen["moments"], strict=True):
         for mesh, influences in zip(seen["facts"]["meshes"], moment["influences"], strict=True):

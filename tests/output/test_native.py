@@ -155,7 +155,7 @@ def test_wrong_files(tmp_path, document):
 
 
 BREAKS = {
-    "channels.values: expected the shape (4, 57), got (3, 57)": lambda d: d["channels"]["values"].pop(),
+    "channels.values: expected the shape (4, 71), got (3, 71)": lambda d: d["channels"]["values"].pop(),
     "channels.values: expected numbers": lambda d: d["channels"]["values"][1].pop(),
     "channels.rate": lambda d: d["channels"].update(rate="0"),
     "channels.frames: expected a whole number": lambda d: d["channels"].update(frames="4"),

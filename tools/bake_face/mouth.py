@@ -12,6 +12,8 @@ _CLOSED = (
     "jawForward", "jawLeft", "jawRight", "mouthPucker", "mouthLeft", "mouthRight", "mouthSmileLeft", "mouthSmileRight",
     "mouthFrownLeft", "mouthFrownRight", "mouthDimpleLeft", "mouthDimpleRight", "mouthStretchLeft",
     "mouthStretchRight", "mouthRollLower", "mouthRollUpper", "mouthShrugLower", "mouthPressLeft", "mouthPressRight",
+    "mouthSharpPullLeft", "mouthSharpPullRight", "mouthTightenLeft", "mouthTightenRight", "nasolabialDeepenLeft",
+    "nasolabialDeepenRight", "noseFlareLeft", "noseFlareRight", "noseCompressLeft", "noseCompressRight",
     "cheekPuff", "cheekSquintLeft", "cheekSquintRight", "noseSneerLeft", "noseSneerRight",
 )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The tongue: MakeHuman's, made finer, with two authored shapes that speech needs."""
+"""The tongue: MakeHuman's, made finer, with four authored shapes that speech needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from subdivision import catmull_clark, triangulate
 
 
 def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
-    """Tongue with its ARKit shapes and ``tongueTipUp``, ``tongueBackUp``."""
+    """Tongue with its ARKit shapes and those of `mien.channels.TONGUE`."""
     used, quads = np.unique(np.array(data.groups["helper-tongue"]), return_inverse=True)
     matrix, fine = catmull_clark(len(used), quads.reshape(-1, 4))
     coarse = Sculpt("tongue", head.identity[used], fine, {k: v[used] for k, v in head.units.items()})
@@ -23,6 +23,9 @@ def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
     tip = smoothstep(0.40, 0.95, along) * (0.35 + 0.65 * smoothstep(-0.7, 0.3, upward))
     tongue.shapes["tongueTipUp"] = _raised(tip, 9.5, 4.5)
     tongue.shapes["tongueBackUp"] = _raised(np.exp(-(((along - 0.30) / 0.22) ** 2)), 8.5, -2.0)
+    blade = np.exp(-(((along - 0.62) / 0.20) ** 2)) * (0.5 + 0.5 * smoothstep(-0.7, 0.3, upward))
+    tongue.shapes["tongueBladeUp"] = _raised(blade, 7.5, 2.0)
+    tongue.shapes["tongueCurl"] = _raised(smoothstep(0.55, 1.0, along), 11.0, -9.0)
     middle = np.exp(-((x / 3.0) ** 2)) * smoothstep(np.median(y), y.max(), y)
     pink, dark = np.array([0.80, 0.43, 0.42]), np.array([0.42, 0.17, 0.17])
     tongue.colours = dark + (pink - dark) * smoothstep(0.10, 0.80, along)[:, None]

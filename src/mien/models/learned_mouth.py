@@ -44,8 +44,9 @@ KEY_SHAPE_SHARE = 0.8
 CLARITY = 4.0
 """Default power of the influences under which key shapes are blended: 1 as learned (least squares averages over many
 takes and mumbles), more for clearer speech. Authored: chosen by looking."""
-NOT_BY_MARKERS = (*channels.TONGUE, "tongueOut", "cheekPuff", "mouthClose", "jawForward")
-"""Mouth channels that are not sought: markers do not see the tongue; lips shut over an open jaw are left to seals."""
+NOT_BY_MARKERS = (*channels.BEYOND_ARKIT, "tongueOut", "cheekPuff", "mouthClose", "jawForward")
+"""Mouth channels that are not sought: markers do not see the tongue; muscles beyond ARKit's serve expressions; lips
+shut over an open jaw are left to seals."""
 SEAL_SHARPNESS = 2.0
 """Power of the seal with which the authored closed shape takes over: above 1 it waits until the lips nearly meet."""
 

@@ -7,8 +7,9 @@
     │   └── head            joint at the head's pivot; its rotation is animated
     │       ├── eye_left    the eyeball about its own centre; its rotation is animated
     │       └── eye_right
-    face                    skinned mesh of trunk and head: skin, teeth, lashes, brows; 52 ARKit morph targets
-    tongue                  skinned mesh: the same 52 targets, then tongueTipUp and tongueBackUp
+    face                    skinned mesh of trunk and head: skin, teeth, lashes, brows; 52 ARKit morph targets, then
+                            those of `mien.channels.MUSCLES` that the face has
+    tongue                  skinned mesh: the 52 targets, then those of `mien.channels.TONGUE`
 
 Morph targets carry the names of `mien.channels` in ``mesh.extras.targetNames``. Targets are sparse accessors; every
 channel has one, an empty one costs no bytes. One ``weights`` track per mesh drives them, one key per frame, linear
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.animation import Animation
-from mien.channels import ARKIT, HEAD, TONGUE
+from mien.channels import ARKIT, HEAD, MUSCLES, TONGUE
 from mien.errors import InputError, Note
 from mien.face.face import Eye, Face, Material, Part
 from mien.face.posing import Poser, eye_rotation, head_rotation
@@ -135,8 +136,9 @@ class _Builder:
         parts = [part for part in self.face.parts if part.name not in eyeballs]
         tongue = [part for part in parts if set(part.targets) & set(TONGUE)]
         rest = [part for part in parts if part not in tongue]
+        muscles = tuple(name for name in MUSCLES if any(name in part.targets for part in rest))
         meshes = []
-        for name, group, targets in (("face", rest, ARKIT), ("tongue", tongue, ARKIT + TONGUE)):
+        for name, group, targets in (("face", rest, ARKIT + muscles), ("tongue", tongue, ARKIT + TONGUE)):
             if group:
                 primitives = [self._skinned_primitive(part, targets) for part in group]
                 mesh = {"name": name, "primitives": primitives, "weights": [0.0] * len(targets)}

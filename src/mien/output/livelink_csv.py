@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.animation import Animation
-from mien.channels import ARKIT, HEAD
+from mien.channels import ARKIT, HEAD, MUSCLES
 from mien.errors import Note
 from mien.files import replace_when_complete
 from mien.livelink import COLUMNS, HEAD_SIGNS, MOTION_COLUMNS, read_livelink
@@ -46,11 +46,20 @@ def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
         rows.append(f"{timecode(frame, track.rate)},{len(MOTION_COLUMNS)},{numbers}")
     with replace_when_complete(path) as unfinished:
         unfinished.write_text("\n".join(rows) + "\n", encoding="utf-8", newline="\n")
+    notes = _dropped(track, Path(path).name)
     if track.rate.fraction.denominator == 1:
-        return ()
+        return notes
     whole = math.ceil(track.rate.fraction)
     message = f"the timecode in {Path(path).name} counts {whole} frames per second: tell the importer {track.rate} fps"
-    return (Note("note", message),)
+    return (*notes, Note("note", message))
+
+
+def _dropped(track: ChannelTrack, file: str) -> tuple[Note, ...]:
+    """Which channels beyond ARKit's 52 moved; the tongue moves in all speech, so it alone is worth no note."""
+    moved = [name for name in MUSCLES if name in track.names and track.channel(name).any()]
+    if not moved:
+        return ()
+    return (Note("note", f"{file} has ARKit's 52 channels and cannot hold {', '.join(moved)}"),)
 
 
 def livelink_motion(track: ChannelTrack) -> NDArray[np.float64]:

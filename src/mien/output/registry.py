@@ -110,7 +110,7 @@ EXPORTERS: tuple[Exporter, ...] = (
     ),
     Exporter(
         ".glb",
-        "animated 3D face (glTF 2.0, 52 ARKit morph targets)",
+        "animated 3D face (glTF 2.0, morph targets by name: ARKit's 52 and those beyond)",
         "the sound itself, markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit",
         True,
         _write_glb,
@@ -118,7 +118,7 @@ EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
         ".csv",
         "Live Link Face recording (Unreal, Blender, Maya)",
-        "the sound, markers, words, phones, score, tongueTipUp and tongueBackUp; numbers have eight decimals",
+        "the sound, markers, words, phones, score, tongue and muscles beyond ARKit's 52; numbers have eight decimals",
         False,
         _write_livelink,
     ),

@@ -1,0 +1,98 @@
+"""Shapes that FACS asks for and ARKit lacks (`mien.channels.MUSCLES`), on the fine skin.
+
+Where MakeHuman has an expression unit it is taken (nostrils), where an ARKit shape holds what is wanted it is split or
+reshaped (inner brows, sharp corner pull), and the rest is sculpted here (nasolabial furrow, tightened lips). All
+authored: sizes by looking at the sheet of action units that ``make sheets`` draws.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from head import Head
+from makehuman import Floats
+from sculpt import smoothstep, vertex_normals
+
+_SIDES = (("Left", 1.0), ("Right", -1.0))
+_MIDDLE = 7.0  # mm: halves of the face fade into each other over this distance from the middle
+_FLARE, _COMPRESS = 1.3, 1.6  # how much of MakeHuman's units
+# Nasolabial furrow of the left side, from the wing of the nose to beside the mouth's corner: (x, y) in mm.
+_FURROW = ((17.0, -41.0), (24.0, -48.5), (31.0, -58.0))
+# The raw units by which `makehuman.MakeHuman.expression_units` calls them.
+RAW = ("nose-compression", "nose-dilatation")
+
+
+def add_muscles(head: Head) -> None:
+    """Add the shapes to the skin and drop the raw units they are made of."""
+    skin = head.skin
+    raw = {name: skin.shapes.pop(name) for name in RAW}
+    for name in RAW:
+        head.units.pop(name)
+    for side, sign in _SIDES:
+        half = smoothstep(-_MIDDLE, _MIDDLE, sign * skin.vertices[:, 0])[:, None]
+        skin.shapes["browInnerUp" + side] = skin.shapes["browInnerUp"] * half
+        skin.shapes["noseFlare" + side] = _FLARE * raw["nose-dilatation"] * half
+        skin.shapes["noseCompress" + side] = _COMPRESS * raw["nose-compression"] * half
+        skin.shapes["nasolabialDeepen" + side] = _furrow(head, side, sign)
+        skin.shapes["mouthSharpPull" + side] = _sharp_pull(head, side, sign)
+        skin.shapes["mouthTighten" + side] = _tightened(head) * half
+
+
+def _furrow(head: Head, side: str, sign: float) -> Floats:
+    """The middle of the furrow pulled in, its outer bank up and out; the upper lip is lifted a little at its side."""
+    skin = head.skin
+    x, y, z = (skin.vertices * np.array([sign, 1.0, 1.0])).T
+    away, along = _from_line(np.c_[x, y], np.array(_FURROW))
+    ends = smoothstep(-0.15, 0.2, along) * smoothstep(1.2, 0.75, along) * smoothstep(-10.0, 5.0, z)
+    normals = vertex_normals(skin.vertices, skin.triangles)
+    groove = -1.7 * np.exp(-(((away + 0.5) / 2.6) ** 2)) * ends
+    bank = 2.4 * np.exp(-(((away - 6.0) / 5.0) ** 2)) * ends
+    lifted = np.array([0.35 * sign, 1.0, 0.0]) * (1.6 * np.exp(-(((away - 5.0) / 6.0) ** 2)) * ends)[:, None]
+    lip = 0.30 * skin.shapes["mouthUpperUp" + side] * smoothstep(4.0, 16.0, x)[:, None]
+    return np.asarray(normals * (groove + bank)[:, None] + lifted + lip)
+
+
+def _from_line(points: Floats, line: Floats) -> tuple[Floats, Floats]:
+    """Signed distance from a broken line (positive on its outer, upper side) and the share of its length, per point."""
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    starts = np.r_[0.0, np.cumsum(lengths)][:-1] / lengths.sum()
+    best, along = np.full(len(points), np.inf), np.zeros(len(points))
+    for number, (a, b) in enumerate(pairwise(line)):
+        step = b - a
+        share = (points - a) @ step / (step @ step)
+        first, last = number == 0, number == len(line) - 2
+        foot = a + np.clip(share, 0, 1)[:, None] * step
+        arm = points - foot
+        outward = np.array([-step[1], step[0]]) / np.linalg.norm(step)
+        distance = np.linalg.norm(arm, axis=1)
+        nearer = distance < np.abs(best)
+        best = np.where(nearer, np.where(arm @ outward >= 0, distance, -distance), best)
+        free = np.clip(share, None if first else 0.0, None if last else 1.0)
+        along = np.where(nearer, starts[number] + free * lengths[number] / lengths.sum(), along)
+    return best, along
+
+
+def _sharp_pull(head: Head, side: str, sign: float) -> Floats:
+    """A smile whose corner goes straight up, under a puffed cheek."""
+    skin = head.skin
+    smile = skin.shapes["mouthSmile" + side]
+    x, y, _ = (skin.vertices * np.array([sign, 1.0, 1.0])).T
+    cheek = np.exp(-(((x - 40.0) / 18.0) ** 2) - (((y + 44.0) / 18.0) ** 2))[:, None]
+    return np.asarray(smile * np.array([0.20, 1.05, 0.75]) + 0.45 * cheek * skin.shapes["cheekPuff"])
+
+
+def _tightened(head: Head) -> Floats:
+    """Both lips drawn towards the line where they meet, narrower, and a little back."""
+    skin = head.skin
+    x, y, z = skin.vertices.T
+    loop = skin.vertices[head.lip_loop]
+    order = np.argsort(loop[:, 0])
+    seam = np.interp(x, loop[order, 0], loop[order, 1])
+    reach = np.sqrt((x / 31.0) ** 2 + ((y - seam) / 17.0) ** 2)
+    near = smoothstep(1.0, 0.25, reach) * smoothstep(-25.0, 5.0, z) * (1 - head.masks["inside-mouth"])
+    offsets = np.zeros_like(skin.vertices)
+    offsets[:, 0] = -0.07 * x * near
+    offsets[:, 1] = -0.42 * (y - seam) * near
+    offsets[:, 2] = -1.3 * near * head.masks["lips"]
+    return offsets
