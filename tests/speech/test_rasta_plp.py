@@ -8,11 +8,14 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from mien.audio import Audio
-from mien.speech.rasta_plp import RATE, STEP, WINDOW, all_pole, bark_weights, cepstrum_of, rasta_plp
+from mien.speech.rasta_plp import RATE, STEP, all_pole, bark_weights, cepstrum_of, rasta_plp
 
 Floats = NDArray[np.float64]
 VOWELS = {"IY": (270, 2290, 3010), "AA": (730, 1090, 2440), "UW": (300, 870, 2240)}
 """Formants in Hz (Peterson, Barney 1952)."""
+
+
+RANDOM = np.random.default_rng(7)
 
 
 def vowel(name: str, seconds: float = 0.3, pitch: float = 110.0) -> Floats:
@@ -42,10 +45,16 @@ SAID = speech("IY", "AA", "UW", "AA", "IY")
 
 def test_frames_stand_at_the_middles_of_their_windows() -> None:
     heard = rasta_plp(Audio(SAID, RATE))
-    assert heard.values.shape == (1 + (len(SAID) - round(WINDOW * RATE)) // round(STEP * RATE), 9)
-    assert heard.times[0] == pytest.approx(0.0125)
-    assert heard.times[100] == pytest.approx(1.0125)
-    assert [heard.place(t) for t in (-1.0, 0.0125, 1.0, 99.0)] == [0, 0, 99, len(heard.values) - 1]
+    assert heard.values.shape == (1 + len(SAID) // round(STEP * RATE), 9)
+    assert (heard.times[0], heard.times[100]) == (0.0, pytest.approx(1.0))
+    assert [heard.place(t) for t in (-1.0, 0.004, 1.0, 99.0)] == [0, 0, 100, len(heard.values) - 1]
+
+
+def test_what_is_heard_at_an_instant_stands_in_its_frame() -> None:
+    click = np.zeros(RATE)
+    click[RATE // 2 :] = vowel("AA", 0.5)
+    change = np.abs(np.diff(rasta_plp(Audio(click + 1e-4 * RANDOM.standard_normal(RATE), RATE)).values[:, 0]))
+    assert abs(int(change.argmax()) - 50) <= 2
 
 
 def test_gain_is_not_heard() -> None:

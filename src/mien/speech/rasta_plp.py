@@ -4,7 +4,8 @@ Perceptual linear prediction (Hermansky 1990, "Perceptual linear predictive (PLP
 were filtered over time (Hermansky, Morgan 1994, "RASTA processing of speech"): the sound features C of an anime node
 (Cao et al. 2005, section 4.1; SPEC B3). The steps, one function each:
 
-1. power spectra of Hamming windows, 25 ms long, one every 10 ms;
+1. power spectra of Hamming windows, 25 ms long, one every 10 ms; frame k is centred at k x 10 ms, and the sound is
+   mirrored at its ends to fill the first and last windows;
 2. `bark_weights`: energy in critical bands, one Bark apart;
 3. RASTA: each band's logarithm passes H(z) = 0.1 (2 + z^-1 - z^-3 - 2 z^-4) / (1 - 0.94 z^-1), which lets changes of
    1 to 12 Hz through, as articulation makes them. A constant factor in a band (loudness, microphone, line, room tone)
@@ -58,18 +59,18 @@ class RastaPLP:
 
     @property
     def times(self) -> Floats:
-        """Seconds at the middle of each window, shape (frames,): the first stands at half a window."""
-        return WINDOW / 2 + STEP * np.arange(len(self.values))
+        """Seconds at the middle of each window, shape (frames,)."""
+        return np.asarray(STEP * np.arange(len(self.values)), dtype=np.float64)
 
     def place(self, seconds: float) -> int:
         """The frame whose middle lies nearest to an instant; the first or last one beyond the ends.
 
         Examples
         --------
-        >>> RastaPLP(np.zeros((98, 9))).place(0.5)
-        49
+        >>> RastaPLP(np.zeros((101, 9))).place(0.5)
+        50
         """
-        return int(np.clip(round((seconds - WINDOW / 2) / STEP), 0, len(self.values) - 1))
+        return int(np.clip(round(seconds / STEP), 0, len(self.values) - 1))
 
 
 def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
@@ -78,20 +79,20 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
     Parameters
     ----------
     audio : Audio
-        Of any rate; shorter than a window, it is filled up with silence.
+        Of any rate.
     rasta : bool
         False leaves the filter over time out: plain PLP.
 
     Returns
     -------
     RastaPLP
-        One frame for each whole window.
+        A frame every 10 ms, from the start of the sound up to its end.
 
     Examples
     --------
     >>> tone = Audio(0.1 * np.sin(np.arange(16000) * 0.3), 16000)
     >>> rasta_plp(tone).values.shape
-    (98, 9)
+    (101, 9)
     """
     energies = _band_energies(audio.resampled(RATE).samples.astype(np.float64))
     logs = np.log(energies)
@@ -106,7 +107,8 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
 def _band_energies(samples: Floats) -> Floats:
     """Energy in each critical band, shape (frames, bands), never 0."""
     width, hop = round(WINDOW * RATE), round(STEP * RATE)
-    samples = np.pad(samples, (0, max(0, width - len(samples))))
+    half, mode = width // 2, "reflect" if len(samples) > width else "constant"
+    samples = np.pad(samples, (half, half), mode=mode)  # type: ignore[call-overload]
     windows = np.lib.stride_tricks.sliding_window_view(samples, width)[::hop]
     shape, weights = np.hamming(width), bark_weights()
     blocks = [
@@ -134,7 +136,7 @@ def bark_weights() -> Floats:
     Flat for half a Bark to each side of the middle, falling by 25 dB per Bark above and 10 dB per Bark below (Hermansky
     1990, Eq. 5).
     """
-    off = _bark(np.fft.rfftfreq(_FFT, 1 / RATE)) - _centres()[:, None]
+    off = _bark(np.asarray(np.fft.rfftfreq(_FFT, 1 / RATE), dtype=np.float64)) - _centres()[:, None]
     weights: Floats = 10 ** np.minimum(0, np.minimum(-2.5 * (off - 0.5), off + 0.5))
     return np.where((off >= -1.3) & (off <= 2.5), weights, 0.0)
 
