@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from importlib.resources.abc import Traversable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from mien.errors import MissingPartError
+from mien.speech.onnx_runtime import forbid_telemetry
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -68,9 +68,7 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     MissingPartError
         If the model's file is damaged, or onnxruntime cannot run it.
     """
-    # The runtime would keep a diary of its use in the home folder and try to send it to its makers; that must be
-    # forbidden before it is imported.
-    os.environ["ORT_DISABLE_TELEMETRY"] = "1"
+    forbid_telemetry()
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
