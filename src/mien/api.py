@@ -15,6 +15,8 @@ from mien.face.face import Face
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
 from mien.pipeline import perform
+from mien.script.commands import CommandLibrary
+from mien.script.document import Script
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
@@ -22,6 +24,7 @@ from mien.timeline import FrameRate
 __all__ = ["DEFAULT_FPS", "align", "animate", "read_text", "save", "say"]
 
 DEFAULT_FPS = 30
+_DOCUMENTS = (".xml", ".ssml", ".bml")
 
 Progress = Callable[[int, int], None]
 Rate = float | str | Fraction | FrameRate
@@ -29,20 +32,23 @@ Emotions = str | EmotionSpan | Sequence[EmotionSpan] | None
 
 
 def say(
-    text: str,
+    text: str | Path | Script,
     *,
     emotion: Emotions = None,
     voice: str | None = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
     """Speak a text with a synthetic voice and perform it.
 
     Parameters
     ----------
-    text : str
-        English, as written: numbers, dates and abbreviations are read out.
+    text : str, Path or Script
+        English, as written: numbers, dates and abbreviations are read out. Tags in it direct the face and the voice
+        (``docs/script.md``): ``"That is <HeadNod/> true."``; it may also be a document (mien's own XML, SSML, BML). A
+        Path names a file: ``.txt``, ``.xml``, ``.ssml`` or ``.bml``.
     emotion : str, EmotionSpan, sequence of EmotionSpan, or None
         ``"happy"``, ``"happy:0.6"``, or spans in time.
     voice : str or None
@@ -53,6 +59,8 @@ def say(
         Same text, options, seed and version: same animation, bit for bit.
     performer : Performer, str or Path
         A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
+    commands : path-like or sequence of path-like
+        Folders with command files of your own (``docs/commands.md``).
 
     Raises
     ------
@@ -67,22 +75,27 @@ def say(
     >>> line = mien.say("I never said that.", emotion="angry:0.7")  # doctest: +SKIP
     >>> mien.save(line, "line.mp4", "line.glb")  # doctest: +SKIP
     """
-    from mien.speech.synthesis import synthesise
+    from mien.modules.perform import perform_spoken
+    from mien.modules.speak import speak
+    from mien.modules.translate import translate
 
-    if not isinstance(text, str):
-        raise InputError(f"expected a text to say, got {type(text).__name__}")
     performer, score, rate = _prepared(performer, emotion, fps, seed)
-    return perform(synthesise(text, voice=voice, seed=seed), score, performer, rate, seed)
+    library = _library(commands)
+    script = _script(text, library)
+    performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
+    spoken = translate(speak(script, voice, seed, library), library)
+    return perform_spoken(spoken, performer, rate, seed, score)
 
 
 def animate(
     audio: str | Path | Audio,
     *,
-    text: str | Path | None = None,
+    text: str | Path | Script | None = None,
     emotion: Emotions = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
     """Perform recorded speech.
 
@@ -90,9 +103,10 @@ def animate(
     ----------
     audio : str, Path or Audio
         A sound file, a video with a sound track, or samples.
-    text : str, Path or None
-        What is said, or a text file that holds it. Without it phones are recognised, which is approximate.
-    emotion, fps, seed, performer
+    text : str, Path, Script or None
+        What is said, or a file that holds it; with tags as for `say`. Without it phones are recognised, which is
+        approximate.
+    emotion, fps, seed, performer, commands
         As for `say`.
 
     Raises
@@ -100,8 +114,18 @@ def animate(
     InputError
         If the sound cannot be read or an option is not understood.
     """
+    from mien.modules.perform import perform_spoken
+    from mien.modules.speak import speak_over
+    from mien.modules.translate import translate
+
     performer, score, rate = _prepared(performer, emotion, fps, seed)
-    return perform(_heard(audio, text), score, performer, rate, seed)
+    library = _library(commands)
+    if text is None:
+        return perform(_heard(audio, None), score, performer, rate, seed)
+    script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
+    performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
+    spoken = translate(speak_over(script, lambda words: _heard(audio, words), library), library)
+    return perform_spoken(spoken, performer, rate, seed, score)
 
 
 def align(audio: str | Path | Audio, text: str | Path) -> Utterance:
@@ -187,6 +211,31 @@ def read_text(text: str | Path) -> str:
         ) from (problem)
     except OSError as problem:
         raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+
+
+def _script(text: str | Path | Script, library: CommandLibrary) -> Script:
+    from mien.script.reading import read_script, read_script_file
+
+    if isinstance(text, Script):
+        return text
+    if isinstance(text, Path):
+        return read_script_file(text, library)
+    if not isinstance(text, str):
+        raise InputError(f"expected a text to say, got {type(text).__name__}")
+    return read_script(text, library)
+
+
+def _file_or_text(text: str | Path) -> str | Path:
+    """A script file as its path, anything else as `read_text` takes it."""
+    if isinstance(text, str) and len(text.split()) == 1 and text.lower().endswith(_DOCUMENTS):
+        return Path(text)
+    if isinstance(text, Path) and text.suffix.lower() in _DOCUMENTS:
+        return text
+    return read_text(text)
+
+
+def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:
+    return CommandLibrary.of(*([commands] if isinstance(commands, (str, Path)) else commands))
 
 
 def _prepared(

@@ -85,7 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
 
     say = commands.add_parser("say", help="speak a text and perform it")
-    say.add_argument("text", metavar="TEXT", help="what to say; '-' reads it from standard input")
+    say.add_argument("text", metavar="TEXT", nargs="?", help="what to say; '-' reads it from standard input")
+    say.add_argument("--script", metavar="FILE", help="what to say, from a file: .txt .xml .ssml .bml (docs/script.md)")
     say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
     _add_performance_options(say)
     say.set_defaults(run=_say)
@@ -93,6 +94,7 @@ def _parser() -> argparse.ArgumentParser:
     animate = commands.add_parser("animate", help="perform recorded speech")
     animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     animate.add_argument("--text", metavar="FILE_OR_TEXT", help="what is said; without it phones are recognised")
+    animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
     animate.add_argument("--voice", help=argparse.SUPPRESS)
     _add_performance_options(animate)
     animate.set_defaults(run=_animate)
@@ -136,6 +138,9 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME[:0..1]",
         help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated; such as sad:0.4",
     )
+    parser.add_argument(
+        "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
+    )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
 
@@ -143,7 +148,11 @@ def _say(options: argparse.Namespace) -> int:
     from mien import api
 
     face = _checked_face(options)
+    if (options.text is None) == (options.script is None):
+        raise InputError("expected a text to say, or a file with --script, and not both")
     text = sys.stdin.read() if options.text == "-" else options.text
+    if options.script is not None:
+        text = Path(options.script)
     animation = api.say(text, voice=options.voice, **_asked(options))
     return _finish(animation, face, options)
 
@@ -154,13 +163,16 @@ def _animate(options: argparse.Namespace) -> int:
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
     face = _checked_face(options)
-    animation = api.animate(options.audio, text=options.text, **_asked(options))
+    if options.text is not None and options.script is not None:
+        raise InputError("--text and --script both say what is spoken: give one of them")
+    text = Path(options.script) if options.script is not None else options.text
+    animation = api.animate(options.audio, text=text, **_asked(options))
     return _finish(animation, face, options)
 
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    return {name: getattr(options, name) for name in ("emotion", "fps", "seed", "performer")}
+    return {name: getattr(options, name) for name in ("emotion", "fps", "seed", "performer", "commands")}
 
 
 def _checked_face(options: argparse.Namespace) -> Face:
@@ -169,7 +181,7 @@ def _checked_face(options: argparse.Namespace) -> Face:
     from mien.output.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
-    _refuse_same_file(outputs, [options.audio, options.text] if hasattr(options, "audio") else [])
+    _refuse_same_file(outputs, [options.script, *([options.audio, options.text] if hasattr(options, "audio") else [])])
     return load_face(options.face)
 
 

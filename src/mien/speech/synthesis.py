@@ -20,7 +20,11 @@ __all__ = ["synthesise"]
 _STRETCH = 15.0
 
 
-def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
+Spelled = tuple[int, int, tuple[str, ...]]
+"""A stretch ``text[start:end]`` and the ARPAbet phones with which it is to be spoken."""
+
+
+def synthesise(text: str, voice: str | None = None, seed: int = 0, spellings: Sequence[Spelled] = ()) -> Utterance:
     """Speak a text.
 
     The times come from the engine, or from a forced alignment of its sound where that was measured to be better
@@ -34,6 +38,8 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
         A name of `mien.speech.voices.catalogue`; None takes the best one that is installed.
     seed : int
         Same text, voice and seed: same samples and times.
+    spellings : sequence of (start, end, phones)
+        Words to be pronounced as given; a voice that looks words up itself cannot, and a note says so.
 
     Returns
     -------
@@ -47,8 +53,8 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
     MissingPartError
         If the voice is not installed; the message tells how to install it.
     """
-    spoken = spoken_words(text)
     speaker = get_voice(voice)
+    spoken = _spelled(spoken_words(text), spellings, speaker)
     speech = speaker.speak(spoken, seed)
     if speaker.realign or speech.phones is None:
         utterance = _aligned(spoken, speaker, speech)
@@ -57,9 +63,25 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0) -> Utterance:
     return utterance.with_notes(*spoken.notes)
 
 
+def _spelled(spoken: SpokenText, spellings: Sequence[Spelled], voice: Voice) -> SpokenText:
+    words, notes = list(spoken.words), list(spoken.notes)
+    for start, end, phones in spellings:
+        inside = [place for place, word in enumerate(words) if word.end > start and word.start < end]
+        written = spoken.written[start:end].strip()
+        if voice.own_pronunciation or len(inside) != 1:
+            reason = "it looks words up itself" if voice.own_pronunciation else "it is not read as one word"
+            notes.append(Note("note", f"{written!r} is not pronounced as asked by the voice {voice.name!r}: {reason}"))
+            continue
+        words[inside[0]] = replace(words[inside[0]], phones=phones)
+    return replace(spoken, words=tuple(words), notes=tuple(notes))
+
+
 def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
     words = [word.text for word in spoken.words]
-    choices = [pronunciations(word) if voice.own_pronunciation else (pronounce(word),) for word in words]
+    choices: list[tuple[Pronunciation, ...]] = [
+        pronunciations(word.text) if voice.own_pronunciation else (word.phones or pronounce(word.text),)
+        for word in spoken.words
+    ]
     try:
         phones = _align_by_sentence(speech, words, choices)
     except AlignmentError as problem:

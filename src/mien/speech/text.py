@@ -30,12 +30,15 @@ class SpokenWord:
         The characters of the written text that it stands for, ``written[start:end]``. Words of one number share them.
     pause : str
         The punctuation that follows, ``""`` if none: the strongest of ``. ? ! : ; , -``, where ``"-"`` is a dash.
+    phones : tuple of str or None
+        How it is to be pronounced, where that was asked for; ARPAbet.
     """
 
     text: str
     start: int
     end: int
     pause: str = ""
+    phones: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)

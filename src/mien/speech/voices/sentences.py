@@ -73,7 +73,7 @@ def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
     sentences: list[Sentence] = []
     words: list[Word] = []
     for place, word in enumerate(spoken.words):
-        words.append(Word(word.text, pronounce(word.text), word.pause))
+        words.append(Word(word.text, word.phones or pronounce(word.text), word.pause))
         last = place == len(spoken.words) - 1
         if last and word.pause not in tuple(_FULL_STOPS):
             words[-1] = replace(words[-1], mark=".")

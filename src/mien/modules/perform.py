@@ -1,0 +1,37 @@
+"""`perform`: a performer plays what was spoken and translated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mien.animation import Animation
+from mien.models.performer import Performer
+from mien.modules.spoken import Spoken
+from mien.modules.translate import translate
+from mien.pipeline import perform
+from mien.script.score import Score
+from mien.timeline import FrameRate
+
+__all__ = ["perform_spoken"]
+
+
+def perform_spoken(
+    spoken: Spoken, performer: Performer, rate: FrameRate, seed: int = 0, score: Score | None = None
+) -> Animation:
+    """Perform, as `mien.pipeline.perform` does.
+
+    Parameters
+    ----------
+    spoken : Spoken
+        Commands that are left in it are translated by the shipped library.
+    performer, rate, seed
+        As for `mien.pipeline.perform`.
+    score : Score, optional
+        Direction for the whole besides: its emotions come before those of the script.
+    """
+    if spoken.commands:
+        spoken = translate(spoken)
+    asked = spoken.score
+    if score is not None:
+        asked = replace(asked, emotions=score.emotions + asked.emotions, curves=score.curves + asked.curves)
+    return perform(spoken.utterance, asked, performer, rate, seed)

@@ -1,0 +1,86 @@
+"""From a text with tags, mien's own documents, or SSML to a `Script` (``docs/script.md`` is the reference).
+
+One vocabulary serves all three: the elements of SSML that a voice can follow stand beside mien's own, and every command
+of the library is an element. What cannot be done is a note on the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from mien.errors import InputError
+from mien.script.bml import read_bml
+from mien.script.builder import Builder
+from mien.script.commands import CommandLibrary, shipped_library
+from mien.script.document import Script
+from mien.script.elements import ELEMENTS
+from mien.script.tags import ROOTS, Event, is_document, read_document, read_tagged_text
+
+__all__ = ["SUFFIXES", "read_script", "read_script_file"]
+
+SUFFIXES = (".txt", ".xml", ".ssml", ".bml")
+
+
+def read_script(text: str, library: CommandLibrary | None = None, source: str = "text") -> Script:
+    """Read a text with tags in it, a document of mien's own, SSML or BML: which of them, the text itself tells.
+
+    Parameters
+    ----------
+    text : str
+    library : CommandLibrary, optional
+        The commands that are known; the default is the shipped library.
+    source : str
+        Name for messages, such as that of the file.
+
+    Raises
+    ------
+    InputError
+        If a tag is not known, not closed or not well formed, or a value does not fit; the message names the line.
+
+    Examples
+    --------
+    >>> script = read_script('That is <HeadNod count="2"/> true.')
+    >>> script.text, str(script.commands[0].at)
+    ('That is  true.', '_1')
+    """
+    library = library or shipped_library()
+    if not is_document(text):
+        return _built(read_tagged_text(text, {*ELEMENTS, *library.names}, source), library, source, collapse=False)
+    events = tuple(read_document(text, source))
+    root = events[0]
+    if root.text == "bml":
+        return read_bml(events, library, source)
+    if root.text not in ROOTS:
+        raise InputError(
+            f"{source}, line {root.line}: a script's root is <script>, <speak> (SSML) or <bml>, not <{root.text}>"
+        )
+    return _built(events, library, source, collapse=True)
+
+
+def read_script_file(path: str | Path, library: CommandLibrary | None = None) -> Script:
+    """Read a script from a file: ``.txt`` (text with tags), ``.xml``, ``.ssml`` or ``.bml``.
+
+    Raises
+    ------
+    InputError
+        As `read_script`, and if the file cannot be read.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(f"{path}: a script is a file {', '.join(SUFFIXES)}, not {path.suffix or 'without a suffix'}")
+    if not path.is_file():
+        raise InputError(f"{path}: no such script")
+    try:
+        return read_script(path.read_text(encoding="utf-8-sig"), library, str(path))
+    except UnicodeDecodeError as problem:
+        raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+
+
+def _built(events: Iterable[Event], library: CommandLibrary, source: str, collapse: bool) -> Script:
+    builder = Builder(library, source, collapse, ELEMENTS)
+    for event in events:
+        builder.take(event)
+    return builder.finish()
