@@ -6,6 +6,10 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("mien", deadline=None)  # no test asserts on wall-clock time
+settings.load_profile("mien")
 
 ROOT = Path(__file__).parent.parent
 

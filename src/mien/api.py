@@ -28,7 +28,7 @@ _DOCUMENTS = (".xml", ".ssml", ".bml")
 
 Progress = Callable[[int, int], None]
 Rate = float | str | Fraction | FrameRate
-Emotions = str | EmotionSpan | Sequence[EmotionSpan] | None
+Emotions = str | EmotionSpan | Sequence[str | EmotionSpan] | None
 
 
 def say(
@@ -49,8 +49,9 @@ def say(
         English, as written: numbers, dates and abbreviations are read out. Tags in it direct the face and the voice
         (``docs/script.md``): ``"That is <HeadNod/> true."``; it may also be a document (mien's own XML, SSML, BML). A
         Path names a file: ``.txt``, ``.xml``, ``.ssml`` or ``.bml``.
-    emotion : str, EmotionSpan, sequence of EmotionSpan, or None
-        ``"happy"``, ``"happy:0.6"``, or spans in time.
+    emotion : str, EmotionSpan, sequence of these, or None
+        ``"happy"``, ``"happy:0.6"``, ``"happy:0.2@0,0.9@1.5"`` (value at second), ``"angry[0.5-1.2]:0.8"`` (from second
+        to second), ``"sad:curve.csv"``; several blend into one another.
     voice : str or None
         Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
     fps : float, str or FrameRate
@@ -254,12 +255,10 @@ def _prepared(
 def _score(emotion: Emotions) -> Score:
     if emotion is None:
         return Score()
-    if isinstance(emotion, str):
-        return Score((EmotionSpan.parse(emotion),))
-    spans = (emotion,) if isinstance(emotion, EmotionSpan) else emotion
-    if not isinstance(spans, Sequence) or not all(isinstance(span, EmotionSpan) for span in spans):
-        raise InputError(f"an emotion is a text such as 'happy:0.6', or EmotionSpans, not {emotion!r}")
-    return Score(tuple(spans))
+    asked = (emotion,) if isinstance(emotion, (str, EmotionSpan)) else emotion
+    if not isinstance(asked, Sequence) or not all(isinstance(span, (str, EmotionSpan)) for span in asked):
+        raise InputError(f"an emotion is a text such as 'happy:0.6', an EmotionSpan, or several, not {emotion!r}")
+    return Score(tuple(EmotionSpan.parse(span) if isinstance(span, str) else span for span in asked))
 
 
 def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:

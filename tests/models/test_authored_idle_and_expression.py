@@ -80,7 +80,8 @@ def test_an_unknown_emotion_gets_a_guess() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "words"), [("happy:7", "from 0 to 1"), ("happy:50", r"did you mean 0\.5"), ("happy:much", "NAME:0..1")]
+    ("text", "words"),
+    [("happy:7", "from 0 to 1"), ("happy:50", r"did you mean 0\.5"), ("happy:much", "a number from 0 to 1")],
 )
 def test_bad_intensities_are_refused(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):

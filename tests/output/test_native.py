@@ -18,6 +18,7 @@ from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
 from mien.output.native import read_native, write_native
 from mien.script.curves import INTERPOLATIONS, MODES, ParameterCurve
+from mien.script.intensity import IntensityCurve
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate, Interval, Tier
@@ -59,7 +60,17 @@ sounds = st.builds(
     st.lists(st.floats(-1.5, 1.5), max_size=40),
     st.integers(1000, 384_000),
 )
-spans = st.builds(EmotionSpan, texts, st.floats(0, 1), st.none() | times, st.none() | times)
+curves_of_intensity = st.dictionaries(st.integers(0, 50), st.floats(0, 1), min_size=1, max_size=5).map(
+    lambda points: IntensityCurve(
+        tuple(float(time) for time in sorted(points)), tuple(points[t] for t in sorted(points))
+    )
+)
+spans = st.builds(
+    lambda name, intensity, edges: EmotionSpan(name, intensity, *edges),
+    texts,
+    st.floats(0, 1) | curves_of_intensity,
+    st.tuples(times, times).map(sorted) | st.tuples(st.none(), times) | st.tuples(times, st.none()),
+)
 curves = st.builds(
     ParameterCurve,
     st.sampled_from(["HeadNod", "jawOpen", "mouthSmile"]),

@@ -136,7 +136,9 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--emotion",
         metavar="NAME[:0..1]",
-        help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated; such as sad:0.4",
+        action="append",
+        help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated: sad:0.4 or sad:0.2@0,0.9@1.5 "
+        "(value at second), sad:curve.csv, 'sad[0.5-1.2]:0.8' (from second to second); repeatable, docs/expression.md",
     )
     parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"

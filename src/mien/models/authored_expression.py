@@ -70,7 +70,7 @@ class AuthoredExpression:
         times = rate.times(rate.frames_covering(duration))
         values = np.zeros((len(times), len(channels.ALL)))
         for span in score.emotions:
-            intensity = span.intensity * _ramp(times, span)
+            intensity = span.intensity_at(times) * _ramp(times, span)
             drift = 1 + self._wander[span.name] * smooth_drift(times, DRIFT_TIME, random)
             values += np.clip(intensity * drift, 0.0, 1.0)[:, None] * self._poses[span.name]
         return values

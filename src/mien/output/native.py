@@ -24,6 +24,7 @@ from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
 from mien.files import replace_when_complete
 from mien.script.curves import ParameterCurve
+from mien.script.intensity import IntensityCurve
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import MAX_FPS, FrameRate, Interval, Tier
@@ -88,7 +89,7 @@ def _plain(animation: Animation) -> dict[str, Any]:
         "version": VERSION,
         "provenance": vars(animation.provenance) | {"seed": int(animation.provenance.seed)},
         "score": {
-            "emotions": [vars(span) for span in animation.score.emotions],
+            "emotions": [_plain_emotion(span) for span in animation.score.emotions],
             "curves": [vars(curve) for curve in animation.score.curves],
         },
         "notes": [vars(note) for note in animation.notes],
@@ -113,6 +114,11 @@ def _plain(animation: Animation) -> dict[str, Any]:
 
 def _plain_tier(tier: Tier) -> dict[str, Any]:
     return {"name": tier.name, "intervals": [[float(i.start), float(i.end), i.label] for i in tier]}
+
+
+def _plain_emotion(span: EmotionSpan) -> dict[str, Any]:
+    intensity = vars(span.intensity) if isinstance(span.intensity, IntensityCurve) else float(span.intensity)
+    return vars(span) | {"intensity": intensity}
 
 
 def _plain_markers(markers: MarkerTrack) -> dict[str, Any]:
@@ -303,7 +309,14 @@ def _emotion(node: _Node) -> EmotionSpan:
     def time(name: str) -> float | None:
         return None if node.get(name).value is None else node.get(name).number()
 
-    return EmotionSpan(node.get("name").text(), node.get("intensity").number(), time("start"), time("end"))
+    intensity: float | IntensityCurve
+    if isinstance(node.get("intensity").value, dict):
+        curve = node.get("intensity")
+        times, values = (tuple(item.number() for item in curve.get(key).items()) for key in ("times", "values"))
+        intensity = IntensityCurve(times, values, cast(Any, curve.get("interpolation").one_of("smooth", "linear")))
+    else:
+        intensity = node.get("intensity").number()
+    return EmotionSpan(node.get("name").text(), intensity, time("start"), time("end"))
 
 
 def _notes(node: _Node) -> tuple[Note, ...]:

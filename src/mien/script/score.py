@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.script.curves import ParameterCurve
+from mien.script.intensity import IntensityCurve, checked_intensity, parse_intensity
 
 __all__ = ["EmotionSpan", "Score"]
+
+_WRITTEN = re.compile(
+    r"(?P<name>[^\[\]:@,]+)(\[\s*(?P<start>\d*\.?\d+)?\s*-\s*(?P<end>\d*\.?\d+)?\s*\])?(:(?P<intensity>.*))?"
+)
 
 
 @dataclass(frozen=True)
@@ -18,40 +27,61 @@ class EmotionSpan:
     ----------
     name : str
         Name of an emotion, such as ``"happy"``.
-    intensity : float
-        0 (neutral) to 1 (full); SPEC A13.
+    intensity : float or IntensityCurve
+        0 (neutral) to 1 (full), held or changing over time; SPEC A13.
     start, end : float or None
         Seconds; None means the start or end of the sound.
+
+    Raises
+    ------
+    InputError
+        If the intensity lies outside 0..1, or the stretch runs backwards.
     """
 
     name: str
-    intensity: float = 1.0
+    intensity: float | IntensityCurve = 1.0
     start: float | None = None
     end: float | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.intensity <= 1.0:
-            raise InputError(
-                f"an intensity runs from 0 to 1, not {self.intensity:g}"
-                + (f": did you mean {self.intensity / 100:g}?" if 1 < self.intensity <= 100 else "")
-            )
+        if not isinstance(self.intensity, IntensityCurve):
+            checked_intensity(self.intensity)
+        if self.start is not None and self.end is not None and self.end < self.start:
+            raise InputError(f"emotion {self.name!r} ends at {self.end:g} s, before it starts at {self.start:g} s")
 
     @classmethod
     def parse(cls, text: str) -> EmotionSpan:
-        """Read ``NAME`` or ``NAME:INTENSITY``.
+        """Read ``NAME``, ``NAME:INTENSITY``, ``NAME[START-END]`` or ``NAME[START-END]:INTENSITY``.
+
+        Start and end are seconds, either may be left out; the intensity is a number, points ``VALUE@SECOND`` parted
+        by commas, or a CSV file (`mien.script.intensity`).
+
+        Raises
+        ------
+        InputError
+            If it is not written so.
 
         Examples
         --------
         >>> EmotionSpan.parse("sad:0.4")
         EmotionSpan(name='sad', intensity=0.4, start=None, end=None)
+        >>> EmotionSpan.parse("angry[0.5-1.2]:0.8")
+        EmotionSpan(name='angry', intensity=0.8, start=0.5, end=1.2)
+        >>> EmotionSpan.parse("happy:0.2@0,0.9@1.5").intensity_at(np.array([0.75])).round(2).tolist()
+        [0.55]
         """
-        name, colon, number = text.partition(":")
-        if not colon:
-            return cls(name.strip().lower())
-        try:
-            return cls(name.strip().lower(), float(number))
-        except ValueError as problem:
-            raise InputError(f"an emotion is NAME or NAME:0..1, such as happy:0.6, not {text!r}") from problem
+        found = _WRITTEN.fullmatch(text.strip())
+        if found is None:
+            raise InputError(f"an emotion is NAME, NAME:0..1 or NAME[START-END]:0..1, such as happy:0.6, not {text!r}")
+        start, end = (float(found[key]) if found[key] else None for key in ("start", "end"))
+        intensity = parse_intensity(found["intensity"]) if found["intensity"] is not None else 1.0
+        return cls(found["name"].strip().lower(), intensity, start, end)
+
+    def intensity_at(self, seconds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Intensities at instants, whether inside the stretch or not, shape (times,)."""
+        if isinstance(self.intensity, IntensityCurve):
+            return self.intensity.at(seconds)
+        return np.full(len(seconds), float(self.intensity))
 
 
 @dataclass(frozen=True)
