@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from mien.cli import evaluate, inspect, learn, serve
+from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.record import add_record_command
 from mien.errors import InputError, MienError, Note
@@ -111,6 +112,7 @@ def _parser() -> argparse.ArgumentParser:
     learn.add_command(commands)
     evaluate.add_command(commands)
     inspect.add_command(commands)
+    face_commands.add_command(commands)
     serve.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
@@ -130,6 +132,12 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     parser.add_argument("--face", default="default", help="the face to show (default: default)")
+    parser.add_argument(
+        "--deformer",
+        default="blendshapes",
+        metavar="NAME|X.tree",
+        help="what moves the face: blendshapes, tree, regions, or a parameter tree in a file",
+    )
     parser.add_argument(
         "--performer", default="default", metavar="NAME|X.mien", help="who moves: default, authored, or a .mien file"
     )
@@ -184,7 +192,14 @@ def _checked_face(options: argparse.Namespace) -> Face:
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
     _refuse_same_file(outputs, [options.script, *([options.audio, options.text] if hasattr(options, "audio") else [])])
-    return load_face(options.face)
+    face = load_face(options.face)
+    if options.deformer != "blendshapes":
+        from mien.face.deformers import deformed_by
+
+        return deformed_by(face, options.deformer)
+    if not any(part.targets for part in face.parts):
+        raise InputError(f"{options.face} has no morph targets that could move it: give --deformer X.tree")
+    return face
 
 
 def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> None:

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.face.parameter_tree import ParameterTree
+
 __all__ = ["Eye", "Face", "Material", "Part", "Target"]
 
 Floats = NDArray[np.float32]
@@ -120,6 +122,7 @@ class Face:
     head_pivot: tuple[float, float, float]
     sites: Mapping[str, tuple[str, int]]
     licence: str
+    tree: ParameterTree | None = None
 
     def part(self, name: str) -> Part:
         """The part of that name."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mien.errors import unknown_name
 from mien.face.face import Face
+from mien.face.obj import face_of_mesh, read_obj
 from mien.face.storage import read_face
 
 __all__ = ["known_faces", "load_face"]
@@ -33,7 +34,8 @@ def load_face(name: str | Path = "default") -> Face:
     Parameters
     ----------
     name : str or Path
-        One of `known_faces`, or the path of a ``.npz`` file that `mien.face.storage.write_face` wrote.
+        One of `known_faces`, the path of a ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj``
+        file: that one has no morph targets and is moved by a parameter tree (`mien.face.deformers.deformed_by`).
 
     Raises
     ------
@@ -46,6 +48,8 @@ def load_face(name: str | Path = "default") -> Face:
     >>> sorted(part.name for part in face.parts if part.name.startswith("eye"))
     ['eye_left', 'eye_right']
     """
+    if str(name).lower().endswith(".obj"):
+        return face_of_mesh(read_obj(name), Path(name).stem)
     if isinstance(name, Path) or str(name).endswith(".npz"):
         return read_face(name)
     if name not in known_faces():

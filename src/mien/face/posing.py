@@ -265,12 +265,17 @@ def _indices(pieces: Sequence[NDArray[np.int32]]) -> Indices:
     return np.concatenate([np.zeros(0, np.int32), *(piece.reshape(-1) for piece in pieces)]).astype(np.int32)
 
 
-def welded_vertices(part: Part) -> Indices:
-    """For each vertex the first one that lies *and moves* with it (lips that touch at rest stay two surfaces)."""
+def welded_vertices(part: Part, told_apart_by: ArrayLike | None = None) -> Indices:
+    """For each vertex the first one that lies *and moves* with it (lips that touch at rest stay two surfaces).
+
+    ``told_apart_by`` (vertices,) keeps apart what moves by other means than targets.
+    """
     mixture = np.zeros((len(part.vertices), 3))
     for number, name in enumerate(sorted(part.targets)):
         target = part.targets[name]
         np.add.at(mixture, target.vertices, (1.0 + 0.6180339887 * number) * target.offsets.astype(np.float64))
+    if told_apart_by is not None:
+        mixture = np.column_stack([mixture, np.asarray(told_apart_by, dtype=np.float64)])
     key = np.round(np.hstack([part.vertices, mixture]) / _WELD_MM).astype(np.int64)
     order = np.lexsort(key.T)  # stable: of equal vertices the first comes first
     starts = np.concatenate([[True], (key[order[1:]] != key[order[:-1]]).any(axis=1)])[: len(order)]
@@ -300,6 +305,13 @@ def _pose_kernel(  # type: ignore[no-untyped-def]  # numba infers the types; the
     for v in range(count):
         if head_weight[v] != 0.0:
             _turn(vertices, v, head_turn, pivot, head_weight[v])
+    shade(vertices, triangles, welded, normals)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def shade(vertices, triangles, welded, normals):  # type: ignore[no-untyped-def]
+    """Unit normals of vertices as they stand, weighted by area, shared by vertices that are welded."""
+    count = vertices.shape[0]
     normals[:] = 0.0
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]

@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from mien.animation import Animation
 from mien.errors import InputError, Note, OutputError
+from mien.face.deformers import poser_for
 from mien.face.face import Face
-from mien.face.posing import Poser
 from mien.files import replace_when_complete
 from mien.render.camera import Camera
 from mien.render.renderer import Renderer
@@ -116,7 +116,7 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
         raise InputError(f"cannot write {path}: the animation has no frames")
     if Path(path).suffix.lower() != ".png":
         raise OutputError(f"a contact sheet is written as .png, not {Path(path).suffix!r}: {path}")
-    poser = Poser(face, animation.channels.names)
+    poser = poser_for(face, animation.channels.names)
     width, height = _CELL
     renderer = Renderer(face, width, height, Camera.head_shot(face, width / height))
     frames = key_frames(animation)

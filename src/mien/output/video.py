@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from mien.animation import Animation
 from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
+from mien.face.deformers import poser_for
 from mien.face.face import Face
-from mien.face.posing import Poser
 from mien.files import replace_when_complete
 from mien.render.renderer import Renderer
 
@@ -74,7 +74,7 @@ def write_video(
     if len(track) == 0:
         raise InputError(f"cannot write {path}: the animation has no frames")
     _check_size(width, height)
-    poser, renderer = Poser(face, track.names), Renderer(face, width, height)
+    poser, renderer = poser_for(face, track.names), Renderer(face, width, height)
 
     def pictures() -> Iterator[Picture]:
         for number, row in enumerate(track.values):

@@ -1,0 +1,16 @@
+"""``mien face``: the commands about faces themselves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mien.cli import face_rig
+
+__all__ = ["add_command"]
+
+
+def add_command(commands: Any) -> None:
+    """Add ``mien face`` with its own commands."""
+    face = commands.add_parser("face", help="what moves a face: parameter trees, parameters from poses and recordings")
+    kinds = face.add_subparsers(title="face commands", required=True, metavar="FACE_COMMAND")
+    face_rig.add_commands(kinds)

@@ -1,0 +1,326 @@
+"""Markers spread over a face by scattered-data interpolation in blended regions (Cao et al. 2005; SPEC B10).
+
+Every marker sits on a vertex of the skin. Its displacement from rest is a sample of the face's motion; between samples
+the motion is interpolated with radial basis functions, within each region on its own::
+
+    d_r(x) = sum_m c_rm phi(|x - x_m|) + b_r,       phi(r) = -sqrt(r^2 + c^2),  sum_m c_rm = 0
+    d(x) = sum_r a_r(x) d_r(x),                     sum_r a_r(x) = 1
+
+Regions are the lower jaw, the upper jaw, each of the four eyelids and the upper face (``assets/markers/regions.toml``).
+The shares ``a_r`` follow the distance *along the skin* to the region's markers, so that they fade into each other over
+the cheeks and at the corners but not across the gap between the lips or the lids: those part freely. A region does not
+hear the markers on the other side of such a gap. Points of the skin far from all markers hold still.
+
+All of it is linear in the displacements: one matrix (vertices x markers) does it.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mien.errors import InputError
+from mien.face.face import Face, Part, Target
+
+__all__ = ["MarkerSites", "RegionDeformer", "face_by_regions", "interpolation_matrix", "sites_of_layout"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SOFTNESS = 8.0
+"""mm, ``c`` of the basis function: rounds it off at the markers, so that a marker pulls no spike."""
+_ANCHORS = 48  # resting points among the skin that no marker reaches
+_FITS = 12.0  # mm: a layout's places farther than this from a face's skin belong to another face
+_SMALLEST = 5e-3  # mm
+_IRISES = range(468, 478)  # landmarks on the eyeballs, which turn rigidly
+# Parts that lie on the skin and go with it.
+_ON_SKIN = ("brows", "lashes", "caruncles")
+
+
+@dataclass(frozen=True)
+class MarkerSites:
+    """Where markers sit on a face.
+
+    Attributes
+    ----------
+    names : tuple of str
+    part : str
+        The skin.
+    vertices : ndarray of int, shape (markers,)
+    regions : mapping of str to tuple of int
+        Numbers of the markers in each region.
+    without : mapping of str to tuple of str
+        Regions whose own markers a region does not hear.
+    borders : mapping of str to float
+        Over how many mm along the skin each region ends.
+    reach : tuple of 2 float
+        Along the skin from the nearest marker: full effect, none; mm.
+    """
+
+    names: tuple[str, ...]
+    part: str
+    vertices: Ints
+    regions: Mapping[str, tuple[int, ...]]
+    without: Mapping[str, tuple[str, ...]]
+    borders: Mapping[str, float]
+    reach: tuple[float, float]
+
+
+def _asset(name: str) -> dict[str, Any]:
+    return tomllib.loads(files("mien").joinpath("assets", "markers", name).read_text(encoding="utf-8"))
+
+
+def sites_of_layout(face: Face, layout: str = "mediapipe-218", part: str = "skin") -> MarkerSites:
+    """The sites of a layout's markers on a face on which its places fit (the default face).
+
+    Raises
+    ------
+    InputError
+        If the face has no such part, or its skin lies elsewhere than the layout's places.
+    """
+    table, chart = _asset(f"{layout}.toml")["markers"], _asset("regions.toml")
+    skin = next((p for p in face.parts if p.name == part), None)
+    if skin is None:
+        raise InputError(f"face {face.name!r} has no part {part!r} for markers to sit on")
+    places = np.array([entry["place"] for entry in table.values()])
+    from scipy.spatial import cKDTree
+
+    away, vertices = cKDTree(skin.vertices).query(places)
+    used = [number for number, entry in enumerate(table.values()) if entry["landmark"] not in _IRISES]
+    off = [name for number, name in enumerate(table) if number in used and away[number] > _FITS]
+    if off:
+        raise InputError(
+            f"face {face.name!r}: the places of {len(off)} markers ({', '.join(off[:3])}...) lie off its skin; "
+            "regions need sites of markers on this face"
+        )
+    entries = [list(table.values())[number] for number in used]
+    regions = {name: _members(name, entries, chart) for name in chart["region"]}
+    _keep_to_own_lip(skin, places, vertices, [entry["landmark"] for entry in table.values()], chart["lips"])
+    low, high = chart["reach"]
+    return MarkerSites(
+        tuple(list(table)[number] for number in used),
+        part,
+        vertices[used].astype(np.int64),
+        regions,
+        {name: tuple(facts["without"]) for name, facts in chart["region"].items()},
+        {name: float(facts["border"]) for name, facts in chart["region"].items()},
+        (float(low), float(high)),
+    )
+
+
+def _keep_to_own_lip(
+    skin: Part,
+    places: Floats,
+    vertices: Ints,
+    landmarks: Sequence[int],
+    lips: Mapping[str, Mapping[str, Sequence[int]]],
+) -> None:
+    """Move sites that landed on the other lip to the nearest vertex of their own; changes ``vertices``."""
+    row = {landmark: number for number, landmark in enumerate(landmarks)}
+    sure = {lip: [vertices[row[mark]] for mark in facts["sure"] if mark in row] for lip, facts in lips.items()}
+    if not all(sure.values()):
+        return
+    distance = {lip: _along_skin(skin, np.array(seeds, dtype=np.int64)) for lip, seeds in sure.items()}
+    for lip, other in (("upper", "lower"), ("lower", "upper")):
+        own = np.flatnonzero(distance[lip] < distance[other])
+        for mark in lips[lip]["all"]:
+            if mark in row:
+                away = np.linalg.norm(skin.vertices[own] - places[row[mark]], axis=1)
+                vertices[row[mark]] = own[np.argmin(away)]
+
+
+def _members(region: str, entries: Sequence[Mapping[str, Any]], chart: Mapping[str, Any]) -> tuple[int, ...]:
+    named = {number for facts in chart["region"].values() for number in facts["markers"]}
+    own = set(chart["region"][region]["markers"])
+
+    def home(entry: Mapping[str, Any]) -> str:
+        height = entry["place"][1]
+        if height > chart["upper_face_from"]:
+            return "upper_face"
+        return "lower_jaw" if entry["group"] == "lower" and height < chart["lower_jaw_below"] else "upper_jaw"
+
+    return tuple(
+        number
+        for number, entry in enumerate(entries)
+        if entry["landmark"] in own or (entry["landmark"] not in named and home(entry) == region)
+    )
+
+
+def interpolation_matrix(centres: ArrayLike, points: ArrayLike, softness: float = SOFTNESS) -> Floats:
+    """Matrix that takes values at centres (m, 3) to interpolated values at points (n, 3), shape (n, m).
+
+    Multiquadrics with a constant (Hardy 1971): exact at the centres, and a field that is the same everywhere stays so.
+
+    Examples
+    --------
+    >>> centres = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0]])
+    >>> (interpolation_matrix(centres, centres) @ [1.0, 2.0, 3.0]).round(9).tolist()
+    [1.0, 2.0, 3.0]
+    """
+    known, wanted = np.asarray(centres, dtype=np.float64), np.asarray(points, dtype=np.float64)
+    m = len(known)
+    system = np.zeros((m + 1, m + 1))
+    system[:m, :m] = _basis(known, known, softness)
+    system[:m, m] = system[m, :m] = 1.0
+    solved = np.linalg.solve(system, np.eye(m + 1, m))
+    return np.asarray(np.hstack([_basis(wanted, known, softness), np.ones((len(wanted), 1))]) @ solved)
+
+
+def _basis(points: Floats, centres: Floats, softness: float) -> Floats:
+    from scipy.spatial.distance import cdist
+
+    return np.asarray(-np.sqrt(cdist(points, centres, "sqeuclidean") + softness**2))
+
+
+class RegionDeformer:
+    """Moves the skin of a face, and what lies on it, by displacements of markers.
+
+    Parameters
+    ----------
+    face : Face
+    sites : MarkerSites or None
+        None takes those of the layout ``mediapipe-218``, which fit the default face.
+
+    Attributes
+    ----------
+    matrices : dict of str to ndarray of float32, shape (vertices, markers)
+        By name of the part.
+    shares : dict of str to ndarray, shape (regions, vertices)
+        Share of each region, by name of the part, in the order of ``sites.regions``.
+    """
+
+    def __init__(self, face: Face, sites: MarkerSites | None = None) -> None:
+        self.face = face
+        self.sites = sites or sites_of_layout(face)
+        skin = face.part(self.sites.part)
+        self._centres = skin.vertices[self.sites.vertices].astype(np.float64)
+        distance = self._distances(skin)
+        self._anchors = self._resting_points(skin, distance)
+        self.shares: dict[str, Floats] = {}
+        self.matrices: dict[str, NDArray[np.float32]] = {}
+        nearest = {skin.name: np.arange(len(skin.vertices))}
+        from scipy.spatial import cKDTree
+
+        tree = cKDTree(skin.vertices)
+        for part in face.parts:
+            if part.name in _ON_SKIN:
+                nearest[part.name] = tree.query(part.vertices)[1]
+        for name, at in nearest.items():
+            points = face.part(name).vertices.astype(np.float64)
+            self.shares[name] = self._shares(distance[:, at])
+            self.matrices[name] = self._matrix(points, self.shares[name]).astype(np.float32)
+
+    def offsets(self, displacements: ArrayLike) -> dict[str, NDArray[np.float32]]:
+        """How far each vertex moves, (n, 3) mm by part, when the markers move by ``displacements`` (markers, 3), mm."""
+        asked = np.asarray(displacements, dtype=np.float32)
+        if asked.shape != (len(self.sites.names), 3):
+            raise InputError(
+                f"displacements: expected ({len(self.sites.names)} markers, 3 coordinates), got {asked.shape}"
+            )
+        return {name: matrix @ asked for name, matrix in self.matrices.items()}
+
+    def _distances(self, skin: Part) -> Floats:
+        """Along the skin from the nearest marker of each region, shape (regions, vertices), mm."""
+        return np.array(
+            [
+                _along_skin(skin, self.sites.vertices[list(numbers)])
+                if numbers
+                else np.full(len(skin.vertices), np.inf)
+                for numbers in self.sites.regions.values()
+            ]
+        )
+
+    def _shares(self, distance: Floats) -> Floats:
+        nearest = distance.min(axis=0)
+        with np.errstate(invalid="ignore"):
+            borders = np.array([self.sites.borders[name] for name in self.sites.regions])[:, None]
+            behind = np.where(np.isfinite(distance), distance - nearest, np.inf) / borders
+        share = np.clip(1 - behind, 0, 1) ** 2
+        share /= np.maximum(share.sum(axis=0), 1e-12)
+        full, none = self.sites.reach
+        fade = np.clip((none - nearest) / (none - full), 0, 1)
+        return np.asarray(share * fade * fade * (3 - 2 * fade))
+
+    def _matrix(self, points: Floats, shares: Floats) -> Floats:
+        total = np.zeros((len(points), len(self.sites.names)))
+        for (name, members), share in zip(self.sites.regions.items(), shares, strict=True):
+            moved = np.flatnonzero(share > 0)
+            if not len(moved) or not members:
+                continue
+            hidden = {m for other in self.sites.without[name] for m in self.sites.regions[other]} - set(members)
+            heard = np.array([m for m in range(len(self.sites.names)) if m not in hidden])
+            places, chosen = _apart(self._centres[heard], heard)
+            rows = interpolation_matrix(np.vstack([places, self._anchors]), points[moved])[:, : len(chosen)]
+            total[np.ix_(moved, chosen)] += share[moved, None] * rows
+        return total
+
+    def _resting_points(self, skin: Part, distance: Floats) -> Floats:
+        """Points spread over the skin that no marker reaches (farthest-point sampling)."""
+        far = skin.vertices[distance.min(axis=0) > self.sites.reach[1]].astype(np.float64)
+        if not len(far):
+            return np.zeros((0, 3))
+        chosen = [int(np.argmin(np.linalg.norm(far - self._centres.mean(0), axis=1)))]
+        away = np.linalg.norm(far - far[chosen[0]], axis=1)
+        while len(chosen) < min(_ANCHORS, len(far)) and away.max() > 1.0:
+            chosen.append(int(np.argmax(away)))
+            away = np.minimum(away, np.linalg.norm(far - far[chosen[-1]], axis=1))
+        return np.asarray(far[chosen])
+
+
+def _apart(places: Floats, numbers: Ints) -> tuple[Floats, Ints]:
+    """Of markers on one vertex only the first: two would make the equations singular."""
+    _, first = np.unique(places.round(3), axis=0, return_index=True)
+    first.sort()
+    return places[first], numbers[first]
+
+
+def _along_skin(part: Part, seeds: Ints) -> Floats:
+    """Distance along the edges from the nearest seed, shape (vertices,), mm; seams of the texture are closed."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    from mien.face.posing import welded_vertices
+
+    welded = welded_vertices(part)
+    sides = np.vstack([welded[part.triangles[:, [k, (k + 1) % 3]]] for k in range(3)])
+    sides = np.unique(np.sort(sides, axis=1), axis=0)
+    sides = sides[sides[:, 0] != sides[:, 1]]
+    length = np.linalg.norm(part.vertices[sides[:, 0]] - part.vertices[sides[:, 1]], axis=1) + 1e-9
+    n = len(part.vertices)
+    graph = csr_matrix((length, (sides[:, 0], sides[:, 1])), (n, n))
+    found = dijkstra(graph, directed=False, indices=np.unique(welded[seeds]), min_only=True)
+    return np.asarray(found[welded], dtype=np.float64)
+
+
+def face_by_regions(face: Face, sites: MarkerSites | None = None) -> Face:
+    """A face whose skin moves as its markers do: every channel moves the markers, and they move the skin.
+
+    Its targets are what `RegionDeformer` makes of the displacements that the face's own targets give the marker sites.
+    Teeth, tongue, eyes, hair and clothes keep their own.
+    """
+    deformer = RegionDeformer(face, sites)
+    skin = face.part(deformer.sites.part)
+    names = sorted({name for part in face.parts for name in part.targets})
+    made: dict[str, dict[str, Target]] = {name: {} for name in deformer.matrices}
+    for name in names:
+        dense = np.zeros((len(skin.vertices), 3), dtype=np.float32)
+        if name in skin.targets:
+            np.add.at(dense, skin.targets[name].vertices, skin.targets[name].offsets)
+        displaced = dense[deformer.sites.vertices]
+        if not displaced.any():
+            continue
+        for part, offsets in deformer.offsets(displaced).items():
+            moved = np.flatnonzero(np.abs(offsets).max(axis=1) > _SMALLEST)
+            if len(moved):
+                made[part][name] = Target(moved.astype(np.int32), offsets[moved].astype(np.float32))
+    return replace(
+        face,
+        tree=None,
+        parts=tuple(replace(p, targets=made[p.name]) if p.name in made else p for p in face.parts),
+    )

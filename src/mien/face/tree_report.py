@@ -1,0 +1,50 @@
+"""What a parameter tree does on a face, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mien.channels import ALL
+from mien.face.face import Face
+from mien.face.facs import is_unit
+from mien.face.parameter_tree import ParameterTree
+
+__all__ = ["tree_report"]
+
+
+def tree_report(tree: ParameterTree, face: Face) -> str:
+    """One line per parameter, its children set in; then what is claimed and what drives nothing we know.
+
+    Examples
+    --------
+    >>> from mien.face.library import load_face
+    >>> from mien.face.tree_of_face import tree_of_face
+    >>> face = load_face("default")
+    >>> tree_report(tree_of_face(face), face).splitlines()[0]
+    'headYaw               rotation     skeletal       0 vertices  headYaw'
+    """
+    children: dict[str | None, list[int]] = {}
+    for number, parameter in enumerate(tree.parameters):
+        children.setdefault(parameter.parent, []).append(number)
+    lines: list[str] = []
+
+    def tell(parent: str | None, depth: int) -> None:
+        for number in children.get(parent, []):
+            parameter = tree.parameters[number]
+            moved = sum(len(influence.vertices) for influence in parameter.influences.values())
+            group = "skeletal" if parameter.skeletal else "surface"
+            drives = ", ".join(parameter.drives) or "-"
+            label = "  " * depth + parameter.name
+            lines.append(f"{label:<21} {parameter.kind:<12} {group:<8} {moved:>7} vertices  {drives}")
+            tell(parameter.name, depth + 1)
+
+    tell(None, 0)
+    total = sum(len(part.vertices) for part in face.parts)
+    claimed = sum(
+        int(np.count_nonzero(tree.skeletal_weights(part.name, len(part.vertices)).sum(axis=0))) for part in face.parts
+    )
+    lines.append(f"claimed by skeletal parameters: {claimed} of {total} vertices; the others stay in stage 1")
+    strange = sorted(name for name in tree.driven_by if name not in ALL and not is_unit(name))
+    if strange:
+        lines.append(f"driven by names that are no channels or action units: {', '.join(strange)}")
+    return "\n".join(lines)
