@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mien.models.anime_graph.audio_distance import audio_distance, distances_to, warping_path
+from mien.models.anime_graph.audio_distance import audio_distance, distances_to, hear_all, warping_path
 
 
 def stretches(seed=0, count=60, longest=25, coefficients=9):
@@ -31,7 +31,19 @@ def test_a_node_costs_the_same_whoever_is_asked_with_it():
     distances_to(heard, features, starts, counts, np.arange(60, dtype=np.int32), together)
     for node in range(60):
         distances_to(heard, features, starts, counts, np.array([node], dtype=np.int32), alone)
-        assert alone[0] == together[node]
+        assert alone[0] == pytest.approx(together[node], rel=1e-6)
+
+
+def test_an_utterance_is_heard_phone_by_phone():
+    features, starts, counts = stretches()
+    heard, ends = features[100:160], np.array([0, 12, 40, 60])
+    nodes, offsets = np.array([3, 9, 4, 3, 20, 21, 22, 23], dtype=np.int32), np.array([0, 2, 3, 8])
+    costs, alone = np.ones(8), np.empty(1)
+    hear_all(heard, ends, np.array([0.5, 0.0, 2.0]), features, starts, counts, nodes, offsets, costs)
+    for step, weight in enumerate((0.5, 0.0, 2.0)):
+        for place in range(offsets[step], offsets[step + 1]):
+            distances_to(heard[ends[step] : ends[step + 1]], features, starts, counts, nodes[place : place + 1], alone)
+            assert costs[place] == pytest.approx(1 + weight * alone[0], rel=1e-6)
 
 
 def test_a_slower_copy_is_no_distance_away():

@@ -5,7 +5,8 @@ their first frames to their last; a step on in one of them counts the distance o
 in both counts it twice, and so does the start. Every path then has the same length, the sum of both frame counts, and
 the mean distance along the path of least sum is the least mean as well.
 
-`audio_distance` is the plain reference; `distances_to` is the same, compiled, for many nodes at once.
+`audio_distance` is the plain reference; `distances_to` is the same, compiled, for many nodes at once, and `hear_all`
+goes through an utterance.
 """
 
 from __future__ import annotations
@@ -16,10 +17,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["audio_distance", "distances_to", "warping_path"]
+__all__ = ["audio_distance", "distances_to", "hear_all", "warping_path"]
 
 LANES = 16
 """Nodes that are warped side by side, so that the processor works on all of them with one instruction."""
+
+FEW = 4
+"""Fewer nodes than this are warped one by one."""
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -85,10 +89,38 @@ def warping_path(heard: NDArray[Any], recorded: NDArray[Any]) -> Whole:
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "nsz"})
+def _distance_to_one(heard, features, first, count):  # type: ignore[no-untyped-def]
+    frames, coefficients = heard.shape
+    sums = np.empty(frames, dtype=np.float32)
+    for j in range(count):
+        diagonal = np.float32(0)
+        for i in range(frames):
+            apart = np.float32(0)
+            for c in range(coefficients):
+                difference = heard[i, c] - features[first + j, c]
+                apart += difference * difference
+            apart = np.sqrt(apart)
+            if i == 0 and j == 0:
+                sums[0] = 2 * apart
+            elif j == 0:
+                sums[i] = sums[i - 1] + apart
+            elif i == 0:
+                diagonal = sums[0]
+                sums[0] += apart
+            else:
+                both = diagonal + 2 * apart
+                diagonal = sums[i]
+                one = (sums[i - 1] if sums[i - 1] < diagonal else diagonal) + apart
+                sums[i] = both if both < one else one
+    return sums[frames - 1] / np.float32(frames + count)
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "nsz"})
 def distances_to(heard, features, starts, counts, nodes, out):  # type: ignore[no-untyped-def]  # numba infers the types
     """Distances of one stretch to those of many nodes (`audio_distance`, compiled, in single precision).
 
-    The value of a node does not depend on which others are asked for with it.
+    The value of a node does not depend on which others are asked for with it (but for the last bits, where they are
+    fewer than `FEW`).
 
     Parameters
     ----------
@@ -102,6 +134,10 @@ def distances_to(heard, features, starts, counts, nodes, out):  # type: ignore[n
     """
     frames, coefficients = heard.shape
     asked = len(nodes)
+    if asked < FEW:
+        for place in range(asked):
+            out[place] = _distance_to_one(heard, features, starts[nodes[place]], counts[nodes[place]])
+        return
     order = np.argsort(counts[nodes])
     value = np.empty((coefficients, LANES), dtype=np.float32)
     apart = np.empty(LANES, dtype=np.float32)
@@ -148,3 +184,32 @@ def distances_to(heard, features, starts, counts, nodes, out):  # type: ignore[n
             for lane in range(LANES):
                 if j == count[lane] - 1 and block + lane < asked:
                     out[order[block + lane]] = sums[frames - 1, lane] / np.float32(frames + count[lane])
+
+
+@njit(cache=True, nogil=True)
+def hear_all(heard, heard_offsets, weights, features, starts, counts, nodes, offsets, costs):  # type: ignore[no-untyped-def]
+    """Add weighted distances for the phones of an utterance, one after the other.
+
+    Parameters
+    ----------
+    heard : ndarray of float32, shape (frames, coefficients)
+        Of all phones; those of phone ``k`` are ``heard_offsets[k]`` up to and without ``heard_offsets[k + 1]``.
+    heard_offsets : ndarray of int64, shape (phones + 1,)
+    weights : ndarray of float64, shape (phones,)
+        Phones of weight 0 are not compared.
+    features, starts, counts : ndarray
+        As of `distances_to`.
+    nodes : ndarray of int32, shape (states,)
+        Nodes to compare with phone ``k``: ``offsets[k]`` up to and without ``offsets[k + 1]``.
+    offsets : ndarray of int64, shape (phones + 1,)
+    costs : ndarray of float64, shape (states,)
+        Is added to.
+    """
+    for step in range(len(offsets) - 1):
+        first, after = offsets[step], offsets[step + 1]
+        if weights[step] > 0 and after > first:
+            out = np.empty(after - first)
+            rows = heard[heard_offsets[step] : heard_offsets[step + 1]]
+            distances_to(rows, features, starts, counts, nodes[first:after], out)
+            for place in range(after - first):
+                costs[first + place] += weights[step] * out[place]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import InputError
-from mien.models.anime_graph.audio_distance import distances_to
+from mien.models.anime_graph.audio_distance import hear_all
 from mien.models.anime_graph.costs import SHORTEST, SearchWeights
 from mien.models.anime_graph.graph import AnimeGraph
 from mien.models.anime_graph.query import SpokenPhones
@@ -19,6 +19,7 @@ __all__ = ["Candidates", "GraphIndex", "candidates_for"]
 
 Floats32 = NDArray[np.float32]
 Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
 Whole32 = NDArray[np.int32]
 
 CURVE_AXES = 4
@@ -140,16 +141,15 @@ class Candidates:
         """Whether length or emotion cost anything."""
         return self.weights.duration > 0 or (self._soft and self.asked.emotions is not None)
 
-    def audio_costs(self, step: int, nodes: Whole32 | None = None) -> Floats:
-        """Weighted audio distance of nodes (default: all) at a phone."""
-        nodes = self.lists[step] if nodes is None else nodes
-        weight = self.weights.audio_of(self.asked.phones[step])
+    def audio_costs(self, nodes: Whole32, offsets: Whole, weights: Floats | None = None) -> Floats:
+        """Weighted audio distances of nodes that stand at phone ``k`` from ``offsets[k]`` to ``offsets[k + 1]``."""
+        graph, asked = self.index.graph, self.asked
+        if weights is None:
+            weights = np.array([self.weights.audio_of(phone) for phone in asked.phones])
         costs = np.zeros(len(nodes))
-        if weight > 0 and len(nodes):
-            graph = self.index.graph
-            heard = np.ascontiguousarray(self.asked.features[step], dtype=np.float32)
-            distances_to(heard, graph.features, graph.feature_starts, graph.feature_counts, nodes, costs)
-            costs *= weight
+        heard = np.concatenate(asked.features)
+        ends = np.cumsum([0, *(len(rows) for rows in asked.features)])
+        hear_all(heard, ends, weights, graph.features, graph.feature_starts, graph.feature_counts, nodes, offsets, costs)
         return costs
 
 

@@ -16,13 +16,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import InputError
-from mien.models.anime_graph.audio_distance import distances_to
+from mien.models.anime_graph.audio_distance import hear_all
 from mien.models.anime_graph.graph import AnimeGraph
 from mien.models.anime_graph.query import SpokenPhones
 from mien.speech.utterance import PAUSE
@@ -115,24 +114,30 @@ def path_cost(graph: AnimeGraph, asked: SpokenPhones, weights: SearchWeights, no
     """
     if len(nodes) != len(asked):
         raise InputError(f"{len(asked)} phones need as many nodes, not {len(nodes)}")
-    chosen = [int(node) for node in nodes]
-    jump = [bool(b != a + 1 or graph.chains[a] != graph.chains[b]) for a, b in pairwise(chosen)]
-    apart = [graph.exits[a].astype(np.float64) - graph.entries[b] for a, b in pairwise(chosen)]
-    rms = [float(np.sqrt((step**2).sum() / graph.markers)) for step in apart]
-    join = sum(step for step, counts in zip(rms, jump, strict=True) if counts or weights.join_everywhere)
-    heard = [_heard(graph, rows, node) for rows, node in zip(asked.features, chosen, strict=True)]
-    audio = sum(weights.audio_of(phone) * value for phone, value in zip(asked.phones, heard, strict=True))
-    lengths = np.maximum(graph.durations[chosen].astype(np.float64), SHORTEST)
+    nodes = np.asarray(nodes, dtype=np.int64)
+    before, after = nodes[:-1], nodes[1:]
+    jumps = (after != before + 1) | (graph.chains[before] != graph.chains[after])
+    apart = graph.exits[before].astype(np.float64) - graph.entries[after]
+    rms = np.sqrt((apart**2).sum(axis=1) / graph.markers)
+    join = float(rms.sum() if weights.join_everywhere else rms[jumps].sum())
+    heard = _heard(graph, asked, nodes)
+    audio = float((heard * [weights.audio_of(phone) for phone in asked.phones]).sum())
+    lengths = np.maximum(graph.durations[nodes].astype(np.float64), SHORTEST)
     duration = float(np.abs(np.log(lengths / np.maximum(asked.durations, SHORTEST))).sum())
-    wanted = asked.emotions or tuple(graph.emotion_names[graph.emotions[node]] for node in chosen)
-    other = sum(graph.emotion_names[graph.emotions[node]] != name for node, name in zip(chosen, wanted, strict=True))
+    felt = [graph.emotion_names[number] for number in graph.emotions[nodes]]
+    other = sum(name != wanted for name, wanted in zip(felt, asked.emotions or felt, strict=True))
     soft = 0.0 if weights.emotion_is_filter else weights.emotion
-    total = weights.jump * sum(jump) + weights.join * join + audio + weights.duration * duration + soft * other
-    return PathCost(float(total), sum(jump), float(join), float(sum(heard)), duration, other)
+    total = weights.jump * int(jumps.sum()) + weights.join * join + audio + weights.duration * duration + soft * other
+    return PathCost(float(total), int(jumps.sum()), join, float(heard.sum()), duration, other)
 
 
-def _heard(graph: AnimeGraph, rows: NDArray[np.float32], node: int) -> float:
-    distance = np.empty(1)
-    rows = np.ascontiguousarray(rows, dtype=np.float32)
-    distances_to(rows, graph.features, graph.feature_starts, graph.feature_counts, np.array([node], np.int32), distance)
-    return float(distance[0])
+def _heard(graph: AnimeGraph, asked: SpokenPhones, nodes: Whole) -> NDArray[np.float64]:
+    """Audio distance of each node from its phone."""
+    distances = np.zeros(len(nodes))
+    ends = np.cumsum([0, *(len(rows) for rows in asked.features)])
+    hear_all(
+        np.concatenate(asked.features), ends, np.ones(len(nodes)),
+        graph.features, graph.feature_starts, graph.feature_counts,
+        nodes.astype(np.int32), np.arange(len(nodes) + 1), distances,
+    )  # fmt: skip
+    return distances

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.models.anime_graph.candidates import GraphIndex, candidates_for
+from mien.models.anime_graph.candidates import Candidates, GraphIndex, candidates_for
 from mien.models.anime_graph.costs import SearchWeights
 from mien.models.anime_graph.query import SpokenPhones
 
@@ -34,11 +34,11 @@ def plain_search(index: GraphIndex, asked: SpokenPhones, weights: SearchWeights)
     weights : SearchWeights
     """
     steps = candidates_for(index, asked, weights)
-    best = steps.other_costs(0) + steps.audio_costs(0)
+    best = _alone(steps, 0)
     origins: list[Whole] = []
     for step in range(1, len(asked)):
         origin, reached = _reach(index, steps.nodes(step - 1), steps.nodes(step), best, weights)
-        best = reached + steps.other_costs(step) + steps.audio_costs(step)
+        best = reached + _alone(steps, step)
         origins.append(origin)
     place = int(best.argmin())
     cost = float(best[place])
@@ -46,6 +46,13 @@ def plain_search(index: GraphIndex, asked: SpokenPhones, weights: SearchWeights)
     for origin in reversed(origins):
         path.append(int(origin[path[-1]]))
     return np.array([steps.nodes(step)[place] for step, place in enumerate(reversed(path))], dtype=np.int64), cost
+
+
+def _alone(steps: Candidates, step: int) -> Floats:
+    """What each node costs at a phone on its own."""
+    offsets = np.zeros(len(steps.lists) + 1, dtype=np.int64)
+    offsets[step + 1 :] = len(steps.nodes(step))
+    return steps.other_costs(step) + steps.audio_costs(steps.nodes(step), offsets)
 
 
 def _reach(

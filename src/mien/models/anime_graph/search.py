@@ -38,7 +38,7 @@ from mien.models.anime_graph.kernels import backward_bounds, beam, cheapest_way,
 from mien.models.anime_graph.query import SpokenPhones
 from mien.models.anime_graph.standing_in import Substitution, substitutions_in
 
-__all__ = ["Effort", "FoundWay", "cheapest_nodes", "search"]
+__all__ = ["Effort", "FoundWay", "cheapest_nodes", "describe_way", "search"]
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -127,6 +127,13 @@ def search(index: GraphIndex, asked: SpokenPhones, weights: SearchWeights | None
     """
     weights = weights or SearchWeights()
     nodes, effort = cheapest_nodes(candidates_for(index, asked, weights))
+    return describe_way(index, asked, weights, nodes, effort)
+
+
+def describe_way(
+    index: GraphIndex, asked: SpokenPhones, weights: SearchWeights, nodes: Whole, effort: Effort
+) -> FoundWay:
+    """What there is to say of a way given by its nodes."""
     jumps = np.zeros(len(nodes), dtype=bool)
     jumps[1:] = (nodes[1:] != nodes[:-1] + 1) | ~index.follows[nodes[1:]]
     cost = path_cost(index.graph, asked, weights, nodes)
@@ -190,9 +197,7 @@ class _States:
         steps = np.where(along, self.recorded[nodes[1:]], weights.jump + weights.join * apart)
         cost = float(self.costs[path].sum() + steps.sum(dtype=np.float64))
         if not heard:
-            cost += sum(
-                float(self.candidates.audio_costs(step, nodes[step : step + 1])[0]) for step in range(len(nodes))
-            )
+            cost += float(self.candidates.audio_costs(nodes, np.arange(len(nodes) + 1)).sum())
         return cost * (1 + ROUNDING) + ROUNDING
 
     def drop(self, most: float) -> None:
@@ -205,8 +210,7 @@ class _States:
 
     def hear(self) -> None:
         """Add the audio distances to the costs."""
-        for step, (first, after) in enumerate(zip(self.offsets[:-1], self.offsets[1:], strict=True)):
-            self.costs[first:after] += self.candidates.audio_costs(step, self.nodes[first:after])
+        self.costs += self.candidates.audio_costs(self.nodes, self.offsets)
 
     def cheapest(self, most: float) -> tuple[Whole, int]:
         path = np.empty(len(self.offsets) - 1, dtype=np.int64)
