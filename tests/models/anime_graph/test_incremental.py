@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -50,7 +52,7 @@ def test_without_look_ahead_each_step_is_the_cheapest_step():
     index, asked = GraphIndex(graph), small_question(1, 8, ["AA", "M", "T"])
     weights = SearchWeights(1.0, 1.0, 0.0)
     nodes = search_ahead(index, asked, weights, 0).nodes
-    for before, after in zip(nodes[:-1], nodes[1:], strict=True):
+    for before, after in pairwise(nodes):
         same = np.flatnonzero(graph.phones == graph.phones[after])
         least = min(transition(graph, weights, before, node) for node in same)
         assert transition(graph, weights, before, after) == pytest.approx(least, rel=1e-6)
