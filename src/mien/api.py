@@ -36,6 +36,7 @@ def say(
     *,
     emotion: Emotions = None,
     voice: str | None = None,
+    language: str | Path | None = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
@@ -54,6 +55,9 @@ def say(
         to second), ``"sad:curve.csv"``; several blend into one another.
     voice : str or None
         Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
+    language : str, Path or None
+        A tag such as ``"fi"``, or a phone map in a file (``docs/languages.md``); None takes the voice's, and English
+        without one.
     fps : float, str or FrameRate
         Frames per second of the animation.
     seed : int
@@ -84,7 +88,7 @@ def say(
     library = _library(commands)
     script = _script(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = translate(speak(script, voice, seed, library), library)
+    spoken = translate(speak(script, voice, seed, library, language), library)
     return perform_spoken(spoken, performer, rate, seed, score)
 
 
@@ -92,6 +96,7 @@ def animate(
     audio: str | Path | Audio,
     *,
     text: str | Path | Script | None = None,
+    language: str | Path | None = None,
     emotion: Emotions = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
@@ -107,6 +112,8 @@ def animate(
     text : str, Path, Script or None
         What is said, or a file that holds it; with tags as for `say`. Without it phones are recognised, which is
         approximate.
+    language : str, Path or None
+        What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
     emotion, fps, seed, performer, commands
         As for `say`.
 
@@ -122,22 +129,26 @@ def animate(
     performer, score, rate = _prepared(performer, emotion, fps, seed)
     library = _library(commands)
     if text is None:
-        return perform(_heard(audio, None), score, performer, rate, seed)
+        return perform(_heard(audio, None, language), score, performer, rate, seed)
     script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = translate(speak_over(script, lambda words: _heard(audio, words), library), library)
+    spoken = translate(
+        speak_over(script, lambda words, spoken: _heard(audio, words, spoken), library, language), library
+    )
     return perform_spoken(spoken, performer, rate, seed, score)
 
 
-def align(audio: str | Path | Audio, text: str | Path) -> Utterance:
+def align(audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None) -> Utterance:
     """Find when each word and phone of a text is said in a sound (forced alignment).
+
+    ``language`` is a tag such as ``"fi"`` or a phone map in a file (``docs/languages.md``); None: English.
 
     Raises
     ------
     InputError
         If sound or text cannot be read, or cannot be brought together.
     """
-    return _heard(audio, text)
+    return _heard(audio, text, language)
 
 
 def save(
@@ -261,7 +272,7 @@ def _score(emotion: Emotions) -> Score:
     return Score(tuple(EmotionSpan.parse(span) if isinstance(span, str) else span for span in asked))
 
 
-def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:
+def _heard(audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None) -> Utterance:
     """Words and phones of a sound, with the notes on reading it."""
     said = read_text(text) if text is not None else None
     if said is not None and not said.strip():
@@ -274,11 +285,13 @@ def _heard(audio: str | Path | Audio, text: str | Path | None) -> Utterance:
             raise InputError(f"expected a sound or the path of a sound file, got {type(audio).__name__}")
         audio, notes = read_audio(audio)
     if said is None:
+        from mien.speech.languages.language import ENGLISH
         from mien.speech.recognise import recognise
 
-        utterance = recognise(audio)
+        utterance = recognise(audio, language=str(language or ENGLISH))
     else:
         from mien.speech.align import align as force_align
+        from mien.speech.languages.language import ENGLISH
 
-        utterance = force_align(audio, said)
+        utterance = force_align(audio, said, language=language or ENGLISH)
     return utterance.with_notes(*notes)

@@ -104,6 +104,7 @@ def _parser() -> argparse.ArgumentParser:
     align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
     align.add_argument("-o", "--output", metavar="X.TextGrid", required=True, help="the file to write")
+    _add_language_option(align)
     align.add_argument("--quiet", action="store_true", help="say nothing but errors")
     align.set_defaults(run=_align)
 
@@ -151,7 +152,14 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
     )
+    _add_language_option(parser)
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_language_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: English)"
+    )
 
 
 def _say(options: argparse.Namespace) -> int:
@@ -182,7 +190,7 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    return {name: getattr(options, name) for name in ("emotion", "fps", "seed", "performer", "commands")}
+    return {name: getattr(options, name) for name in ("language", "emotion", "fps", "seed", "performer", "commands")}
 
 
 def _checked_face(options: argparse.Namespace) -> Face:
@@ -246,12 +254,12 @@ def _align(options: argparse.Namespace) -> int:
         raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
     path = check_output(options.output)
     _refuse_same_file([path], [options.audio, options.text])
-    utterance = api.align(options.audio, options.text)
-    write_textgrid((utterance.words, utterance.phones), utterance.duration, path)
+    utterance = api.align(options.audio, options.text, language=options.language)
+    write_textgrid((utterance.words, utterance.spelled_phones), utterance.duration, path)
     _tell(utterance.notes, options.quiet)
     if not options.quiet:
         spoken = len(utterance.words)
-        print(f"{options.output}: words: {spoken}, phones and pauses: {len(utterance.phones)}")
+        print(f"{options.output}: words: {spoken}, phones and pauses: {len(utterance.spelled_phones)}")
     return 0
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.errors import unknown_name
 from mien.models.poses import pose_vector, read_table
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import FrameRate, Interval
@@ -103,6 +104,23 @@ class AuthoredMouth:
         """Names of the key shapes that a phone passes through, in order."""
         return self._phones[phone]
 
+    def shapes_of(self, utterance: Utterance) -> list[tuple[str, ...]]:
+        """Names of the key shapes of each phone: the language's own where it has one, else the English phone's.
+
+        Raises
+        ------
+        InputError
+            If a language asks for a shape that is not in the table.
+        """
+        own = utterance.shapes or ((),) * len(utterance.phones)
+        for name in (name for names in own for name in names):
+            if name not in self.visemes:
+                raise unknown_name("key shape asked for by the language", name, self.visemes)
+        return [
+            names or self._phones.get(phone.label, ("rest",))
+            for phone, names in zip(utterance.phones, own, strict=True)
+        ]
+
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels for every frame that covers the sound."""
         keys = self._keys(utterance, rate)
@@ -127,11 +145,11 @@ class AuthoredMouth:
     def _keys(self, utterance: Utterance, rate: FrameRate) -> list[_Key]:
         shortest_seal = max(SHORTEST_SEAL, 1.01 / rate.fps)
         keys: list[_Key] = []
-        for phone in utterance.phones:
+        for phone, names in zip(utterance.phones, self.shapes_of(utterance), strict=True):
             if phone.label == PAUSE:
                 keys += self._pause_keys(phone, utterance.duration)
             else:
-                keys += self._phone_keys(phone, shortest_seal)
+                keys += self._phone_keys(phone, names, shortest_seal)
         return _in_order(keys or [_Key(0.0, utterance.duration, self.rest.shape, 0.0)])
 
     def _pause_keys(self, pause: Interval, duration: float) -> list[_Key]:
@@ -141,8 +159,7 @@ class AuthoredMouth:
             return []
         return [_Key(settled, leaving, self.rest.shape, 0.0)]
 
-    def _phone_keys(self, phone: Interval, shortest_seal: float) -> list[_Key]:
-        names = self._phones[phone.label]
+    def _phone_keys(self, phone: Interval, names: tuple[str, ...], shortest_seal: float) -> list[_Key]:
         part = phone.duration / len(names)
         reach = min(1.0, phone.duration / FULL_REACH)
         keys = []

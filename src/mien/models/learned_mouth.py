@@ -16,6 +16,8 @@ sealed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -27,7 +29,7 @@ from mien.errors import InputError
 from mien.face.face import Face
 from mien.face.library import load_face
 from mien.face.retargeting import Retargeter, Site
-from mien.models.articulation import articulation_table
+from mien.models.articulation import articulation_table, parts_of
 from mien.models.authored_mouth import AuthoredMouth, MouthMotion
 from mien.models.influence import influence_of
 from mien.models.performer_file import LearnedSpeech
@@ -100,7 +102,10 @@ class LearnedMouth:
         """Mouth channels, lip seal and marker motion for every frame that covers the sound."""
         times = rate.times(rate.frames_covering(utterance.duration))
         positions = self.learned.motion.synthesise(utterance.phones, times)
-        keyed, share = self.by_key_shapes(utterance.phones, times), self.key_shape_share
+        keyed, share = (
+            self.by_key_shapes(utterance.phones, times, self.authored.shapes_of(utterance)),
+            self.key_shape_share,
+        )
         values = keyed * share + self.by_markers(positions, rate) * (1 - share)
         tongue = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
         values[:, tongue] = keyed[:, tongue]
@@ -117,8 +122,10 @@ class LearnedMouth:
         values[:, [channels.ALL.index(name) for name in self._retargeter.channels]] = found
         return values
 
-    def by_key_shapes(self, phones: Tier, times: Floats) -> Floats:
+    def by_key_shapes(self, phones: Tier, times: Floats, names: Sequence[tuple[str, ...]] | None = None) -> Floats:
         """The face's key shapes under the speaker's influence curves, shape (frames, channels).
+
+        ``names`` are the key shapes of each phone, where they are not those of the English phone.
 
         A part's influence is the mean over the strands, each weighed by how far it moves the mouth.
         """
@@ -131,9 +138,21 @@ class LearnedMouth:
         influence = (influence_of(strands, parts) @ (strength / strength.sum())) ** self.clarity
         influence /= influence.sum(axis=1, keepdims=True)
         symbols = np.argmax(parts.described[:, -len(table.symbols) :], axis=1)
-        shapes = np.array([self._key_shape(symbol) for symbol in table.symbols])
-        values: Floats = np.einsum("tp,tpc->tc", influence, shapes[symbols[parts.index]])
+        shapes = np.array([self._key_shape(symbol) for symbol in table.symbols])[symbols]
+        if names is not None:
+            self._take_own_shapes(shapes, phones, names)
+        values: Floats = np.einsum("tp,tpc->tc", influence, shapes[parts.index])
         return values
+
+    def _take_own_shapes(self, shapes: Floats, phones: Tier, names: Sequence[tuple[str, ...]]) -> None:
+        """Put the key shapes that the phones ask for in their rows, shape (parts with the pauses around, channels)."""
+        ahead, parts = self.learned.motion.curves_.settings.neighbours, parts_of(phones)
+        for row, place in enumerate(parts.phones):
+            if place < 0 or phones.intervals[place].label == PAUSE:
+                continue
+            asked = names[place]
+            number = int(row > 0 and parts.phones[row - 1] == place)  # the second part of a diphthong
+            shapes[ahead + row] = self.authored.visemes[asked[min(number, len(asked) - 1)]].shape
 
     def _key_shape(self, symbol: str) -> Floats:
         """Authored channels of a part of speech such as ``M`` or ``AY.2``."""

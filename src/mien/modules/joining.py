@@ -13,7 +13,7 @@ from mien.speech.text import SpokenText
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import Interval, Tier
 
-__all__ = ["Joined", "Joiner", "WordPlace", "with_pauses"]
+__all__ = ["Joined", "Joiner", "WordPlace", "over_longer_sound", "with_pauses"]
 
 _MARGIN = 0.03  # seconds of an engine's own edge that stay, since the sound fades there
 
@@ -43,6 +43,9 @@ class Joiner:
         self.samples: list[NDArray[np.float32]] = []
         self.words: list[Interval] = []
         self.phones: list[Interval] = []
+        self.native: list[Interval] = []
+        self.shapes: list[tuple[str, ...]] = []
+        self.foreign = False
         self.places: list[WordPlace] = []
         self.length = 0
         self.last = 0.0
@@ -71,6 +74,10 @@ class Joiner:
         shift = self.now - first / self.rate
         self._append(audio.samples[first:])
         self.phones += [Interval(p.start + shift, p.end + shift, p.label) for p in said]
+        own = [phone for phone in piece.spelled_phones if phone.label != PAUSE]
+        self.native += [Interval(p.start + shift, p.end + shift, p.label) for p in own]
+        self.shapes += spoken_shapes(piece)
+        self.foreign = self.foreign or piece.native is not None
         self.words += [Interval(w.start + shift, w.end + shift, w.label) for w in piece.words]
         self.places += _places(piece, spoken, segment)
         self.last = said[-1].end + shift if said else self.now
@@ -97,7 +104,39 @@ class Joiner:
         """All of it as one utterance that takes language, timing and notes from ``like``."""
         audio = Audio(np.concatenate([*self.samples, np.zeros(0, dtype=np.float32)]), self.rate)
         phones = with_pauses(self.phones, audio.duration)
-        return replace(like, text=text, audio=audio, words=Tier("words", tuple(self.words)), phones=phones)
+        return replace(
+            like,
+            text=text,
+            audio=audio,
+            words=Tier("words", tuple(self.words)),
+            phones=phones,
+            native=with_pauses(self.native, audio.duration) if self.foreign else None,
+            shapes=shapes_of(phones, self.shapes) if self.foreign else (),
+        )
+
+
+def spoken_shapes(utterance: Utterance) -> list[tuple[str, ...]]:
+    """Key shapes of its own of each phone that is no pause."""
+    shapes = utterance.shapes or ((),) * len(utterance.phones)
+    return [names for phone, names in zip(utterance.phones, shapes, strict=True) if phone.label != PAUSE]
+
+
+def shapes_of(phones: Tier, spoken: Sequence[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+    """Key shapes for each phone of a tier, from those of its phones that are no pauses."""
+    following = iter(spoken)
+    return tuple(() if phone.label == PAUSE else next(following) for phone in phones)
+
+
+def over_longer_sound(utterance: Utterance, audio: Audio) -> Utterance:
+    """The same over a sound that goes on in silence."""
+
+    def longer(tier: Tier) -> Tier:
+        return with_pauses([phone for phone in tier if phone.label != PAUSE], audio.duration)
+
+    phones = longer(utterance.phones)
+    shapes = shapes_of(phones, spoken_shapes(utterance)) if utterance.shapes else ()
+    native = None if utterance.native is None else longer(utterance.native)
+    return replace(utterance, audio=audio, phones=phones, native=native, shapes=shapes)
 
 
 def _places(piece: Utterance, spoken: SpokenText, segment: int) -> list[WordPlace]:

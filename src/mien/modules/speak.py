@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TypeVar
 
 from mien.audio import Audio
 from mien.errors import InputError, Note
-from mien.modules.joining import Joined, Joiner, WordPlace, with_pauses
+from mien.modules.joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
 from mien.modules.places import Clock
 from mien.modules.spoken import Spoken
 from mien.script.commands import Command, CommandLibrary, shipped_library
@@ -18,8 +19,9 @@ from mien.script.document import DirectedCommand, DirectedCurve, DirectedEmotion
 from mien.script.moments import Moment, plain
 from mien.script.score import EmotionSpan
 from mien.speech.reshaping import Change, reshape
+from mien.speech.languages import read_words
 from mien.speech.text import SpokenText, spoken_words
-from mien.speech.utterance import PAUSE, Utterance
+from mien.speech.utterance import Utterance
 from mien.timeline import Tier
 
 __all__ = ["place", "speak", "speak_over"]
@@ -31,7 +33,13 @@ _EARLY = 1000.0  # ms before the sound at which a command may begin
 Result = TypeVar("Result")
 
 
-def speak(script: Script, voice: str | None = None, seed: int = 0, library: CommandLibrary | None = None) -> Spoken:
+def speak(
+    script: Script,
+    voice: str | None = None,
+    seed: int = 0,
+    library: CommandLibrary | None = None,
+    language: str | Path | None = None,
+) -> Spoken:
     """Speak a script and give its direction times.
 
     Parameters
@@ -42,6 +50,8 @@ def speak(script: Script, voice: str | None = None, seed: int = 0, library: Comm
     seed : int
     library : CommandLibrary, optional
         For the parameters that a command's length goes into.
+    language : str, Path or None
+        As for `mien.say`; goes before the language that the script names.
 
     Raises
     ------
@@ -50,26 +60,35 @@ def speak(script: Script, voice: str | None = None, seed: int = 0, library: Comm
     MissingPartError
         If a voice is not installed.
     """
-    joined = _spoken(script, voice or script.voice, seed)
+    joined = _spoken(script, voice or script.voice, seed, language or script.language)
     changed = _with_room(_reshaped(joined, script), script, library or shipped_library())
     return place(script, changed, library)
 
 
-def speak_over(script: Script, align: Callable[[str], Utterance], library: CommandLibrary | None = None) -> Spoken:
+def speak_over(
+    script: Script,
+    align: Callable[[str, str | Path | None], Utterance],
+    library: CommandLibrary | None = None,
+    language: str | Path | None = None,
+) -> Spoken:
     """Give a script's direction the times of a recording in which its words are said.
 
     Parameters
     ----------
     align : callable
-        Given the text, finds its words and phones in the recording.
+        Given the text and its language, finds its words and phones in the recording.
+    library : CommandLibrary, optional
+    language : str, Path or None
+        As for `mien.say`; goes before the language that the script names.
     """
     text, starts = "", []
     for segment in script.segments:
         text = text + " " if text and not text.endswith((" ", "\n")) else text
         starts.append(len(text))
         text += segment.text
-    utterance = align(text)
-    spoken = spoken_words(text).words
+    language = language or script.language
+    utterance = align(text, language)
+    spoken = read_words(text, language).words
     places = []
     for word in spoken:
         number = max(n for n, start in enumerate(starts) if start <= word.start)
@@ -85,7 +104,7 @@ def speak_over(script: Script, align: Callable[[str], Utterance], library: Comma
     return place(script, Joined(utterance, tuple(places)), library)
 
 
-def _spoken(script: Script, voice: str | None, seed: int) -> Joined:
+def _spoken(script: Script, voice: str | None, seed: int, language: str | Path | None) -> Joined:
     from mien.speech.synthesis import synthesise
 
     told = [n for n, s in enumerate(script.segments) if any(char.isalnum() for char in s.text)]
@@ -95,8 +114,14 @@ def _spoken(script: Script, voice: str | None, seed: int) -> Joined:
     for number in told:
         segment = script.segments[number]
         spellings = [(s.start, s.end, s.phones) for s in segment.spellings]
-        said = synthesise(segment.text, voice=segment.voice or voice, seed=seed, spellings=spellings)
-        pieces[number] = said, spoken_words(segment.text)
+        said = synthesise(
+            segment.text,
+            voice=segment.voice or voice,
+            seed=seed,
+            language=None if segment.voice else language,
+            spellings=spellings,
+        )
+        pieces[number] = said, read_words(segment.text, None if segment.voice else language, said.language)
     first, spoken = pieces[told[0]]
     alone = script.segments[told[0]]
     if len(script.segments) == 1 and alone.silence is None and alone.start is None:
@@ -172,8 +197,7 @@ def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joine
         return joined
     more = Audio.silence(needed - utterance.duration + _ROOM, utterance.audio.rate)
     audio = Audio.join([utterance.audio, more])
-    said = [phone for phone in utterance.phones if phone.label != PAUSE]
-    return replace(joined, utterance=replace(utterance, audio=audio, phones=with_pauses(said, audio.duration)))
+    return replace(joined, utterance=over_longer_sound(utterance, audio))
 
 
 def place(script: Script, joined: Joined, library: CommandLibrary | None = None) -> Spoken:

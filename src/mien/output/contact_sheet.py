@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
+import unicodedata
 from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +22,7 @@ from mien.render.camera import Camera
 from mien.render.renderer import Renderer
 from mien.speech.utterance import PAUSE
 
-__all__ = ["contact_sheet", "key_frames", "write_contact_sheet"]
+__all__ = ["contact_sheet", "in_plain_letters", "key_frames", "write_contact_sheet"]
 
 Picture = NDArray[np.uint8]
 _MOST, _COLUMNS = 24, 6
@@ -83,7 +87,7 @@ def key_frames(animation: Animation, most: int = _MOST) -> list[tuple[int, str]]
     list of (frame, label)
         In order of time; each frame once.
     """
-    phones = list(animation.utterance.phones)
+    phones = list(animation.utterance.spelled_phones)
     spoken = [phone for number, phone in enumerate(phones) if number == 0 or phone.label != PAUSE]
     last = len(animation.channels) - 1
     found = {min(animation.rate.nearest_frame(phone.middle), last): phone.label for phone in spoken}
@@ -121,7 +125,25 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
     renderer = Renderer(face, width, height, Camera.head_shot(face, width / height))
     frames = key_frames(animation)
     images = [renderer.render(poser.pose(animation.channels.values[frame])) for frame, _ in frames]
-    labels = [f"{label}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]
+    labels = [f"{in_plain_letters(label)}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]
     with replace_when_complete(path) as unfinished:
         Image.fromarray(contact_sheet(images, labels, _COLUMNS)).save(unfinished, format="PNG")
     return ()
+
+
+@cache
+def _plain_letters() -> dict[int, str]:
+    table = tomllib.loads((files("mien") / "assets" / "languages" / "ascii.toml").read_text(encoding="utf-8"))
+    return str.maketrans(table["signs"])
+
+
+def in_plain_letters(label: str) -> str:
+    """A phone in letters that every font has.
+
+    Examples
+    --------
+    >>> in_plain_letters("øː"), in_plain_letters("AY")
+    ('oe:', 'AY')
+    """
+    plain = unicodedata.normalize("NFD", label.translate(_plain_letters()))
+    return plain.encode("ascii", "ignore").decode("ascii") or "?"

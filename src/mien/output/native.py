@@ -99,6 +99,9 @@ def _plain(animation: Animation) -> dict[str, Any]:
             "timing": speech.timing,
             "words": _plain_tier(speech.words),
             "phones": _plain_tier(speech.phones),
+            "native": None if speech.native is None else _plain_tier(speech.native),
+            "shapes": [list(names) for names in speech.shapes],
+            "sung": speech.sung,
             "notes": [vars(note) for note in speech.notes],
             "audio": _plain_audio(speech.audio),
         },
@@ -174,6 +177,15 @@ class _Node:
         if name not in self.value:
             raise self.fault(f"the field {name!r} is missing; was the file edited by hand?")
         return _Node(self.value[name], self.path, f"{self.place}.{name}" if self.place else name)
+
+    def holds(self, name: str) -> bool:
+        """Whether a field that older files lack is there, and not null."""
+        return isinstance(self.value, dict) and self.value.get(name) is not None
+
+    def truth(self) -> bool:
+        if not isinstance(self.value, bool):
+            raise self.fault(f"expected true or false, got {_kind(self.value)}")
+        return self.value
 
     def items(self) -> list[_Node]:
         if not isinstance(self.value, list):
@@ -358,4 +370,7 @@ def _utterance(node: _Node) -> Utterance:
         language=node.get("language").text(),
         timing=cast(Any, timing),
         notes=_notes(node.get("notes")),
+        native=_tier(node.get("native")) if node.holds("native") else None,
+        shapes=tuple(tuple(_names(item)) for item in node.get("shapes").items()) if node.holds("shapes") else (),
+        sung=node.get("sung").truth() if node.holds("sung") else False,
     )

@@ -78,7 +78,7 @@ def _write_textgrid(animation: Animation, path: Path, _: Face | None, __: Progre
     from mien.textgrid import write_textgrid
 
     speech = animation.utterance
-    return write_textgrid((speech.words, speech.phones), speech.duration, path)
+    return write_textgrid((speech.words, speech.spelled_phones), speech.duration, path)
 
 
 def _write_sound(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,15 @@ from numpy.typing import NDArray
 from mien.audio import Audio
 from mien.errors import AlignmentError, InputError, Note
 from mien.speech.decoder import RATE, DecodedPhone, DecodedWord, DecoderError, Piece, decode, pcm16
+from mien.speech.languages import Language, find_language, heard_as, in_english_phones, native_tier
+from mien.speech.languages.detection import note_on_language
+from mien.speech.languages.language import ENGLISH
 from mien.speech.pronunciation import Pronunciation, pronunciations
-from mien.speech.text import spoken_words
+from mien.speech.text import SpokenWord, spoken_words
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import Interval, Tier
 
-__all__ = ["AlignedPhone", "align", "align_pieces", "align_words", "name_words", "tiers"]
+__all__ = ["AlignedPhone", "align", "align_pieces", "align_words", "choices_of", "name_words", "tiers"]
 
 BEST = {"lm": None, "bestpath": False, "beam": 0.0, "wbeam": 0.0, "pbeam": 0.0, "frate": 200}
 """Settings with the least boundary error (see docs/tables/alignment.md)."""
@@ -52,7 +56,7 @@ class AlignedPhone:
     score: float
 
 
-def align(audio: Audio, text: str, *, language: str = "en-US") -> Utterance:
+def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utterance:
     """Find when each word and phone of a text is said in a sound.
 
     Parameters
@@ -61,8 +65,9 @@ def align(audio: Audio, text: str, *, language: str = "en-US") -> Utterance:
         Any rate.
     text : str
         What is said, as one writes it: numbers and abbreviations are read as `spoken_words` reads them.
-    language : str
-        BCP 47 tag; English only (``"en"`` or ``"en-..."``).
+    language : str or Path
+        BCP 47 tag: English (``"en"`` or ``"en-..."``) or one of `mien.speech.languages.known_languages`; or a phone map
+        of another language, ``"X.toml"``. Another language is aligned with the English acoustic model through its map.
 
     Returns
     -------
@@ -74,24 +79,38 @@ def align(audio: Audio, text: str, *, language: str = "en-US") -> Utterance:
     Raises
     ------
     InputError
-        If the text cannot be spoken, the language is not English, or the sound is shorter than 0.1 s.
+        If the text cannot be spoken, the language is not known, or the sound is shorter than 0.1 s.
+    MissingPartError
+        If the language is read by eSpeak NG and it is not installed.
     AlignmentError
         If no alignment was found.
     """
     from mien.speech.plausibility import doubts
 
-    if language.lower().partition("-")[0] != "en":
-        raise InputError(f"alignment knows English (en-US, en-GB...), not {language!r}")
+    other = find_language(language)
     if audio.duration < _SHORTEST_SOUND:
         raise InputError(f"a sound to align lasts at least {_SHORTEST_SOUND} s, this one {audio.duration:.3f} s")
-    spoken = spoken_words(text)
+    spoken = spoken_words(text) if other is None else other.read(text)
+    tag = str(language) if other is None else other.tag
     if audio.is_silent():
-        return _silent(audio, text, language, spoken.notes)
+        return _silent(audio, text, tag, spoken.notes)
     words = [word.text for word in spoken.words]
-    phones = align_words(audio, words, [pronunciations(word) for word in words])
+    phones = align_words(audio, words, [choices_of(word, other) for word in spoken.words])
     word_tier, phone_tier = tiers(phones, words, audio.duration)
     notes = spoken.notes + doubts(audio, spoken, phones)
-    return Utterance(text, audio, word_tier, phone_tier, language, "aligned", notes)
+    if other is None:
+        notes += note_on_language(text)
+        return Utterance(text, audio, word_tier, phone_tier, tag, "aligned", notes)
+    native = native_tier(phones, [word.phones or () for word in spoken.words], other)
+    phone_tier, shapes = in_english_phones(native, other)
+    return Utterance(text, audio, word_tier, phone_tier, tag, "aligned", notes, native=native, shapes=shapes)
+
+
+def choices_of(word: SpokenWord, language: Language | None) -> tuple[Pronunciation, ...]:
+    """What the acoustic model is to look for in a word: each pronunciation that the speaker may have used."""
+    if language is None:
+        return pronunciations(word.text)
+    return (heard_as(word.phones or (), language),)
 
 
 def align_words(audio: Audio, words: Sequence[str], choices: Sequence[Sequence[Pronunciation]]) -> list[AlignedPhone]:

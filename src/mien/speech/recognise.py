@@ -67,7 +67,7 @@ def recognise(audio: Audio, *, language: str = "en-US", recogniser: Recogniser |
         If the recogniser or the aligner failed.
     """
     if language.lower().partition("-")[0] != "en":
-        raise InputError(f"recognition knows English (en-US, en-GB...), not {language!r}")
+        raise InputError(f"without a text mien hears English only, not {language!r}: give the text that is spoken")
     recogniser = recogniser or recogniser_at_hand()
     if recogniser not in ("hama", "pocketsphinx"):
         raise InputError(f"a recogniser is 'hama' or 'pocketsphinx', not {recogniser!r}")

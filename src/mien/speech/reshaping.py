@@ -91,7 +91,8 @@ def reshape(utterance: Utterance, changes: Sequence[Change]) -> Utterance:
         return Tier(tier.name, tuple(Interval(float(a), min(float(b), sound.duration), i.label) for (a, b), i in pairs))
 
     phones = _covering(moved(utterance.phones), sound)
-    return replace(utterance, audio=sound, words=moved(utterance.words), phones=phones)
+    native = None if utterance.native is None else _covering(moved(utterance.native), sound)
+    return replace(utterance, audio=sound, words=moved(utterance.words), phones=phones, native=native)
 
 
 def _covering(phones: Tier, sound: Audio) -> Tier:

@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
+from typing import Literal
 
 from mien.audio import Audio
 from mien.errors import AlignmentError, Note
 from mien.speech.align import AlignedPhone, align_words, tiers
+from mien.speech.languages import Language, find_language, heard_as, in_english_phones, native_tier
+from mien.speech.languages.detection import note_on_language
 from mien.speech.pronunciation import Pronunciation, pronounce, pronunciations
 from mien.speech.text import SpokenText, spoken_words
 from mien.speech.utterance import PAUSE, Utterance
 from mien.speech.voices import Speech, Voice, get_voice
 from mien.speech.voices.voice import Break
+from mien.timeline import Tier
 
 __all__ = ["synthesise"]
 
@@ -24,7 +29,13 @@ Spelled = tuple[int, int, tuple[str, ...]]
 """A stretch ``text[start:end]`` and the ARPAbet phones with which it is to be spoken."""
 
 
-def synthesise(text: str, voice: str | None = None, seed: int = 0, spellings: Sequence[Spelled] = ()) -> Utterance:
+def synthesise(
+    text: str,
+    voice: str | None = None,
+    seed: int = 0,
+    language: str | Path | None = None,
+    spellings: Sequence[Spelled] = (),
+) -> Utterance:
     """Speak a text.
 
     The times come from the engine, or from a forced alignment of its sound where that was measured to be better
@@ -33,18 +44,21 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0, spellings: Se
     Parameters
     ----------
     text : str
-        English as written: numbers and abbreviations are read out.
+        As written: numbers and abbreviations are read out.
     voice : str or None
         A name of `mien.speech.voices.catalogue`; None takes the best one that is installed.
     seed : int
         Same text, voice and seed: same samples and times.
+    language : str, Path or None
+        A tag such as ``"fi"`` or a phone map in a file; None takes the voice's, and English without one.
     spellings : sequence of (start, end, phones)
         Words to be pronounced as given; a voice that looks words up itself cannot, and a note says so.
 
     Returns
     -------
     Utterance
-        Word ``i`` of its words tier is word ``i`` of ``spoken_words(text).words``.
+        Word ``i`` of its words tier is word ``i`` of ``spoken_words(text).words`` (for another language than English,
+        of ``find_language(language).read(text).words``).
 
     Raises
     ------
@@ -53,14 +67,15 @@ def synthesise(text: str, voice: str | None = None, seed: int = 0, spellings: Se
     MissingPartError
         If the voice is not installed; the message tells how to install it.
     """
-    speaker = get_voice(voice)
-    spoken = _spelled(spoken_words(text), spellings, speaker)
+    speaker = get_voice(voice, find_language(language))
+    own = speaker.own_language
+    spoken = _spelled(spoken_words(text) if own is None else own.read(text), spellings, speaker)
     speech = speaker.speak(spoken, seed)
     if speaker.realign or speech.phones is None:
         utterance = _aligned(spoken, speaker, speech)
     else:
         utterance = _as_spoken(spoken, speaker, speech)
-    return utterance.with_notes(*spoken.notes)
+    return utterance.with_notes(*spoken.notes, *speaker.notes(spoken), *(note_on_language(text) if own is None else ()))
 
 
 def _spelled(spoken: SpokenText, spellings: Sequence[Spelled], voice: Voice) -> SpokenText:
@@ -77,6 +92,8 @@ def _spelled(spoken: SpokenText, spellings: Sequence[Spelled], voice: Voice) -> 
 
 
 def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
+    if voice.own_language is not None:
+        return _aligned_native(spoken, voice.own_language, speech)
     words = [word.text for word in spoken.words]
     choices: list[tuple[Pronunciation, ...]] = [
         pronunciations(word.text) if voice.own_pronunciation else (word.phones or pronounce(word.text),)
@@ -91,6 +108,26 @@ def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
         return _as_spoken(spoken, voice, speech).with_notes(reason)
     word_tier, phone_tier = tiers(phones, words, speech.audio.duration)
     return Utterance(spoken.written, speech.audio, word_tier, phone_tier, voice.language, "aligned")
+
+
+def _aligned_native(spoken: SpokenText, language: Language, speech: Speech) -> Utterance:
+    words = [word.text for word in spoken.words]
+    heard = [heard_as(word.phones or (), language) for word in spoken.words]
+    phones = _align_by_sentence(speech, words, [(choice,) for choice in heard])
+    tier = native_tier(phones, [word.phones or () for word in spoken.words], language)
+    return _in_language(spoken.written, speech.audio, tiers(phones, words, speech.audio.duration)[0], tier, language)
+
+
+def _in_language(
+    text: str,
+    audio: Audio,
+    words: Tier,
+    native: Tier,
+    language: Language,
+    timing: Literal["aligned", "voice"] = "aligned",
+) -> Utterance:
+    phones, shapes = in_english_phones(native, language)
+    return Utterance(text, audio, words, phones, language.tag, timing, native=native, shapes=shapes)
 
 
 def _align_by_sentence(
@@ -125,4 +162,6 @@ def _cuts(speech: Speech, words: int) -> list[Break]:
 def _as_spoken(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
     if speech.phones is None or speech.words is None:
         raise AlignmentError(f"the voice {voice.name!r} told no times; choose another voice")
+    if voice.own_language is not None:
+        return _in_language(spoken.written, speech.audio, speech.words, speech.phones, voice.own_language, "voice")
     return Utterance(spoken.written, speech.audio, speech.words, speech.phones, voice.language, "voice")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from mien.audio import Audio
-from mien.errors import Note
+from mien.errors import InputError, Note
 from mien.timeline import Tier
 
 __all__ = ["PAUSE", "Utterance"]
@@ -36,6 +36,19 @@ class Utterance:
         that spoke it, or nothing (no speech was found).
     notes : tuple of Note
         What a person should know, for instance a stretch where text and sound do not fit.
+    native : Tier or None
+        The phones as the language itself has them (IPA: ``"yː"``), for a language other than English; `phones` then are
+        the English ones made most alike, and may be more or fewer.
+    shapes : tuple of tuple of str
+        For each of `phones` the names of key shapes (``assets/performance/visemes.toml``) that it takes instead of the
+        English phone's, where English has none like it; empty if no phone has any.
+    sung : bool
+        Whether it is a song: vowels are held, and the jaw follows the voice.
+
+    Raises
+    ------
+    InputError
+        If there are shapes, but not one entry for each phone.
     """
 
     text: str
@@ -45,6 +58,18 @@ class Utterance:
     language: str
     timing: Literal["aligned", "recognised", "voice", "none"]
     notes: tuple[Note, ...] = ()
+    native: Tier | None = None
+    shapes: tuple[tuple[str, ...], ...] = ()
+    sung: bool = False
+
+    def __post_init__(self) -> None:
+        if self.shapes and len(self.shapes) != len(self.phones):
+            raise InputError(f"expected key shapes for {len(self.phones)} phones, got them for {len(self.shapes)}")
+
+    @property
+    def spelled_phones(self) -> Tier:
+        """The phones in the language's own signs: what a person reads, in a TextGrid or on a contact sheet."""
+        return self.phones if self.native is None else self.native
 
     @property
     def duration(self) -> float:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from mien.errors import MissingPartError, unknown_name
-from mien.speech.voices.espeak import Espeak
+from mien.errors import InputError, MissingPartError, unknown_name
+from mien.speech.languages import Language
+from mien.speech.voices.espeak import Espeak, EspeakLanguage, espeak_languages
 from mien.speech.voices.festival import festival_voices
 from mien.speech.voices.kokoro import Kokoro
 from mien.speech.voices.piper import Piper
@@ -26,16 +27,22 @@ def catalogue() -> tuple[Voice, ...]:
     'kokoro-heart'
     """
     kokoro = tuple(Kokoro(speaker) for speaker in ("heart", "bella", "michael", "fenrir"))
-    return (*kokoro, *festival_voices(), Espeak(), Piper())
+    return (*kokoro, *festival_voices(), Espeak(), Piper(), *espeak_languages())
 
 
-def get_voice(name: str | None = None) -> Voice:
-    """The voice of a name, or the best one that is installed.
+def get_voice(name: str | None = None, language: Language | None = None) -> Voice:
+    """The voice of a name, or the best one that is installed and speaks a language.
+
+    Parameters
+    ----------
+    name : str or None
+    language : Language or None
+        None: English, or whatever the named voice speaks.
 
     Raises
     ------
     InputError
-        If there is no voice of this name.
+        If there is no voice of this name, or it speaks another language.
     MissingPartError
         If it is not installed; the message holds the command that installs it.
 
@@ -47,13 +54,23 @@ def get_voice(name: str | None = None) -> Voice:
     mien.errors.InputError: unknown voice 'kokoro-hart': did you mean 'kokoro-heart'? known: ...
     """
     voices = {voice.name: voice for voice in catalogue()}
+    if language is not None and language.espeak:
+        voices[f"espeak-{language.tag}"] = EspeakLanguage(language)  # also for a phone map of the user's own
     if name is not None:
         if name not in voices:
             raise unknown_name("voice", name, voices)
+        if language is not None and voices[name].own_language is None:
+            raise InputError(f"the voice {name!r} speaks English, not {language.name}: leave --voice or --language out")
+        if language is not None and voices[name].language != language.tag:
+            raise InputError(f"the voice {name!r} speaks {voices[name].language!r}, not {language.name}")
         voices[name].require()
         return voices[name]
-    for voice in voices.values():
+    tag = None if language is None else language.tag
+    speaking = [voice for voice in voices.values() if (voice.own_language and voice.own_language.tag) == tag]
+    for voice in speaking:
         if voice.availability().installed:
             return voice
-    hint = voices[DEFAULT_VOICE].availability().hint
-    raise MissingPartError(f"no voice is installed; for the default one, {DEFAULT_VOICE}, {hint}")
+    if not speaking:
+        raise MissingPartError(f"no voice speaks {tag!r}")
+    best = speaking[0] if language is not None else voices[DEFAULT_VOICE]
+    raise MissingPartError(f"no voice is installed; for {best.name}, {best.availability().hint}")

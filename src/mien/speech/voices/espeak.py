@@ -6,32 +6,29 @@ input and output.
 
 from __future__ import annotations
 
-import ctypes.util
-import json
-import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.resources import files
-from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mien.errors import MissingPartError
+from mien.speech.languages import Language, find_language, known_languages
 from mien.speech.utterance import PAUSE
+from mien.speech.voices.espeak_program import HINT, ask_espeak, espeak_library
 from mien.speech.voices.joining import Piece, join_pieces
-from mien.speech.voices.programs import run_program
 from mien.speech.voices.sentences import Sentence, Word
 from mien.speech.voices.voice import Availability, Speech, Voice
 from mien.timeline import Interval
 
-__all__ = ["Espeak", "words_in_time"]
+__all__ = ["Espeak", "EspeakLanguage", "espeak_languages", "words_in_time"]
 
-_PACKAGE = "espeakng_loader"
 _STRESS_SIGNS = "',%="
+_IPA_STRESS = "ˈˌ"
+_DEFAULT_SPEED = 150
 
 
 class Espeak(Voice):
@@ -47,53 +44,97 @@ class Espeak(Voice):
 
     def availability(self) -> Availability:
         """Whether its library is found: in the pip package ``espeakng-loader`` or on the system."""
-        found = _library()
-        if found is None:
-            return Availability(False, "run: pip install espeakng-loader (GPL-3) or apt install espeak-ng")
-        return Availability(True, f"library {Path(found[0]).name} found")
+        return _availability()
 
     def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
-        found = _library()
-        if found is None:
-            raise MissingPartError(f"the library of eSpeak NG went away: {self.availability().hint}")
         settings = _settings()
-        request = {
-            "library": found[0],
-            "data": found[1],
-            "voice": settings["voice"],
-            "speed": settings["words_per_minute"],
-            "sentences": [sentence.text for sentence in sentences],
+        request = {"voice": settings["voice"], "speed": settings["words_per_minute"]}
+        return _spoken(request, sentences, self.name, lambda names: [_english(name) for name in names])
+
+
+class EspeakLanguage(Voice):
+    """eSpeak NG in another language; its phones are in IPA."""
+
+    engine = "eSpeak NG, formant synthesis, a separate process"
+    licence = Espeak.licence
+    lineage = Espeak.lineage
+    own_pronunciation = True
+    realign = False
+
+    def __init__(self, language: Language) -> None:
+        self.name = f"espeak-{language.tag}"
+        self.language = language.tag
+        self.own_language = language
+        self._request = {
+            "voice": language.espeak,
+            "speed": int(language.table.get("words_per_minute", _DEFAULT_SPEED)),
+            "ipa": True,
         }
-        script = str(Path(__file__).with_name("espeak_process.py"))
-        given = json.dumps(request).encode("ascii") + b"\n"
-        head, _, raw = run_program([sys.executable, "-I", script], self.name, given).partition(b"\n")
-        answer = json.loads(head)
-        sound = np.frombuffer(raw, dtype=np.int16).astype(np.float64) / 32768
-        counts = [part["samples"] for part in answer["sentences"]]
-        chunks = np.split(sound, np.cumsum(counts)[:-1])
-        pieces = [
-            _piece(sentence, part, chunk, answer["rate"])
-            for sentence, part, chunk in zip(sentences, answer["sentences"], chunks, strict=True)
-        ]
-        if not all(piece.phones for piece in pieces):
-            pieces = [Piece(piece.samples, (), (), piece.sentence) for piece in pieces]
-        return join_pieces(pieces, answer["rate"])
+
+    def availability(self) -> Availability:
+        """Whether eSpeak NG's library is found."""
+        return _availability()
+
+    def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
+        return _spoken(self._request, sentences, self.name, lambda names: [_native(name) for name in names])
+
+
+def espeak_languages() -> tuple[EspeakLanguage, ...]:
+    """A voice for every language of mien's that eSpeak NG speaks."""
+    languages = [find_language(tag) for tag in known_languages()]
+    return tuple(EspeakLanguage(language) for language in languages if language is not None and language.espeak)
+
+
+def _availability() -> Availability:
+    found = espeak_library()
+    return Availability(False, HINT) if found is None else Availability(True, f"library {Path(found[0]).name} found")
+
+
+Labels = Callable[[Sequence[str]], Sequence[Sequence[str] | None]]
+"""The engine's phones to ours: none for what is no sound of its own, None for what is not known."""
+
+
+def _spoken(request: dict[str, Any], sentences: tuple[Sentence, ...], voice: str, labels: Labels) -> Speech:
+    answer, raw = ask_espeak(request | {"sentences": [sentence.text for sentence in sentences]}, voice)
+    sound = np.frombuffer(raw, dtype=np.int16).astype(np.float64) / 32768
+    counts = [part["samples"] for part in answer["sentences"]]
+    chunks = np.split(sound, np.cumsum(counts)[:-1])
+    pieces = [
+        _piece(sentence, part, chunk, answer["rate"], labels)
+        for sentence, part, chunk in zip(sentences, answer["sentences"], chunks, strict=True)
+    ]
+    if not all(piece.phones for piece in pieces):
+        pieces = [Piece(piece.samples, (), (), piece.sentence) for piece in pieces]
+    return join_pieces(pieces, answer["rate"])
+
+
+def _english(name: str) -> Sequence[str] | None:
+    known: Sequence[str] | None = _settings()["phones"].get(name.lstrip(_STRESS_SIGNS))
+    return known
+
+
+def _native(name: str) -> Sequence[str]:
+    """An IPA sign as it is; the engine marks a pause by an empty one."""
+    return [name.strip(_IPA_STRESS) or PAUSE]
 
 
 def _piece(
-    sentence: Sentence, part: dict[str, Any], samples: np.ndarray[Any, np.dtype[np.float64]], rate: int
+    sentence: Sentence,
+    part: dict[str, Any],
+    samples: np.ndarray[Any, np.dtype[np.float64]],
+    rate: int,
+    labels: Labels,
 ) -> Piece:
-    """One sentence; without times if a phone's name is not in our table."""
-    table = _settings()["phones"]
-    names = [name.lstrip(_STRESS_SIGNS) for _, name in part["phones"]]
-    if any(name not in table for name in names):
-        return Piece(samples, (), (), sentence)
+    """One sentence; without times if a phone's name is not known."""
+    known = labels([name for _, name in part["phones"]])
     phones: list[Interval] = []
     places = [place / rate for place, _ in part["phones"]] + [part["samples"] / rate]
-    for name, (start, end) in zip(names, pairwise(places), strict=True):
-        if table[name]:
-            edges = np.linspace(start, end, len(table[name]) + 1).tolist()
-            phones += [Interval(a, b, label) for label, (a, b) in zip(table[name], pairwise(edges), strict=True)]
+    for names, (start, end) in zip(known, pairwise(places), strict=True):
+        if names is None:
+            return Piece(samples, (), (), sentence)
+        if names:
+            edges = np.linspace(start, end, len(names) + 1).tolist()
+            phones += [Interval(a, b, label) for label, (a, b) in zip(names, pairwise(edges), strict=True)]
         elif phones:
             phones[-1] = Interval(phones[-1].start, end, phones[-1].label)
     phones = [phone for phone in phones if phone.label != PAUSE and phone.duration > 0]
@@ -131,20 +172,6 @@ def words_in_time(
         edges = np.interp(shares / shares[-1], [0.0, 1.0], [inside[0].start, inside[-1].end]).tolist()
         found += [Interval(a, b, word.text) for word, (a, b) in zip(words[first:after], pairwise(edges), strict=True)]
     return found
-
-
-@cache
-def _library() -> tuple[str, str] | None:
-    """The library and its data folder (``""``: the library knows), or None."""
-    package = find_spec(_PACKAGE)
-    if package is not None and package.submodule_search_locations:
-        folder = Path(package.submodule_search_locations[0])
-        names = {"win32": "espeak-ng.dll", "darwin": "libespeak-ng.dylib"}
-        library = folder / names.get(sys.platform, "libespeak-ng.so")
-        if library.exists():
-            return str(library), str(folder / "espeak-ng-data")
-    system = ctypes.util.find_library("espeak-ng")
-    return (system, "") if system else None
 
 
 @cache

@@ -3,9 +3,12 @@
 eSpeak NG is GPL-3. This script uses the Python standard library alone, is started as a separate process with
 ``python -I``, loads the library found on the machine, and talks through its standard input and output only.
 
-In: one line of JSON, ``{"library", "data", "voice", "speed", "sentences": [text, ...]}``.
+In: one line of JSON, ``{"library", "data", "voice", "speed", "ipa", "sentences": [text, ...], "words": [text, ...]}``;
+``sentences`` are spoken, for ``words`` only the phones are asked; ``ipa`` says whether phones have IPA signs or the
+engine's own names. All but ``library``, ``data`` and ``voice`` may be left out.
 Out: one line of JSON, ``{"rate", "sentences": [{"samples", "phones": [[sample, name], ...], "words": [[sample,
-character], ...]}, ...]}``, then the samples of all sentences, 16 bit, native byte order. A phone lasts until the next.
+character], ...]}, ...], "words": [[phone, ...], ...]}``, then the samples of all sentences, 16 bit, native byte order.
+A phone lasts until the next. Phones of ``words`` are in IPA.
 """
 
 import ctypes
@@ -14,7 +17,8 @@ import sys
 from typing import Any
 
 SYNCHRONOUS = 2
-PHONE_EVENTS, DO_NOT_EXIT = 0x0001, 0x8000
+PHONE_EVENTS, IPA_EVENTS, DO_NOT_EXIT = 0x0001, 0x0002, 0x8000
+IPA, SEPARATOR = 0x02, "_"
 UTF8, CHARACTER = 1, 1
 RATE_PARAMETER = 1
 END_OF_LIST, WORD, PHONE = 0, 1, 7
@@ -69,17 +73,32 @@ class Recorder:
         return 0
 
 
+def phones_of(espeak: Any, word: str) -> list[str]:
+    """The phones of one word in IPA, with the marks of stress."""
+    espeak.espeak_TextToPhonemes.restype = ctypes.c_char_p
+    text = ctypes.create_string_buffer(word.encode("utf-8"))
+    place = ctypes.c_void_p(ctypes.addressof(text))
+    found: list[str] = []
+    while place.value:
+        said = espeak.espeak_TextToPhonemes(ctypes.byref(place), UTF8, IPA | ord(SEPARATOR) << 8) or b""
+        found += said.decode("utf-8", "replace").replace(" ", SEPARATOR).split(SEPARATOR)
+    return [phone for phone in found if phone]
+
+
 def main() -> None:
     """Answer one request."""
     request = json.loads(sys.stdin.readline())
     espeak = ctypes.CDLL(request["library"])
     data = request["data"].encode() if request["data"] else None
-    rate = espeak.espeak_Initialize(SYNCHRONOUS, 0, data, PHONE_EVENTS | DO_NOT_EXIT)
+    events = PHONE_EVENTS | (IPA_EVENTS if request.get("ipa") else 0)
+    rate = espeak.espeak_Initialize(SYNCHRONOUS, 0, data, events | DO_NOT_EXIT)
     if rate <= 0 or espeak.espeak_SetVoiceByName(request["voice"].encode()) != 0:
         sys.exit(f"eSpeak NG cannot start with the voice {request['voice']}")
-    espeak.espeak_SetParameter(RATE_PARAMETER, request["speed"], 0)
+    if "speed" in request:
+        espeak.espeak_SetParameter(RATE_PARAMETER, request["speed"], 0)
+    words = [phones_of(espeak, word) for word in request.get("words", ())]
     answers, sound = [], bytearray()
-    for text in request["sentences"]:
+    for text in request.get("sentences", ()):
         recorder = Recorder(rate)
         callback = CALLBACK(recorder.take)
         espeak.espeak_SetSynthCallback(callback)
@@ -88,7 +107,8 @@ def main() -> None:
             sys.exit("eSpeak NG could not speak the sentence")
         answers.append({"samples": len(recorder.samples) // 2, "phones": recorder.phones, "words": recorder.words})
         sound += recorder.samples
-    sys.stdout.buffer.write(json.dumps({"rate": rate, "sentences": answers}).encode() + b"\n" + bytes(sound))
+    answer = {"rate": rate, "sentences": answers, "words": words}
+    sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + bytes(sound))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,8 @@
-"""Festival, when it is installed: a separate program, with phone times from its own utterance structure."""
+"""Festival, when it is installed: a separate program, with phone times from its own utterance structure.
+
+It reads Latin-1: text comes here as the spoken words of a language in plain small letters, and `scheme_string` refuses
+whatever else might have slipped through.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,9 @@ from typing import Any
 
 import soundfile
 
-from mien.errors import InputError, MissingPartError
+from mien.errors import InputError, MissingPartError, Note
+from mien.speech.languages import find_language
+from mien.speech.text import SpokenText
 from mien.speech.voices.joining import Piece, join_pieces
 from mien.speech.voices.programs import run_program
 from mien.speech.voices.sentences import Sentence
@@ -26,7 +32,7 @@ _LIST_SECONDS = 20.0
 
 
 class Festival(Voice):
-    """One of Festival's American voices.
+    """One of Festival's voices, American or Finnish.
 
     Parameters
     ----------
@@ -34,7 +40,6 @@ class Festival(Voice):
         A key of ``[voices]`` in ``assets/voices/festival.toml``.
     """
 
-    language = "en-US"
     engine = "Festival, a separate program"
     own_pronunciation = True
     realign = False
@@ -42,6 +47,10 @@ class Festival(Voice):
     def __init__(self, name: str) -> None:
         entry = _settings()["voices"][name]
         self.name = name
+        self.language: str = entry["language"]
+        self.own_language = find_language(self.language)
+        self._phones: dict[str, str] = _settings()[entry["phones"]]
+        self._letters: dict[str, str] = _settings()["letters"].get(self.language, {})
         self.licence: str = entry["licence"]
         self.lineage: str = entry["lineage"]
         self._command: str = entry["command"]
@@ -64,7 +73,7 @@ class Festival(Voice):
                 raise MissingPartError(f"Festival spoke {len(told)} of {len(sentences)} sentences: reinstall it")
             sounds = [soundfile.read(wave, dtype="float64") for wave in waves]
         pieces = [
-            Piece(samples, *_times(lines, sentence), sentence)
+            Piece(samples, *_times(lines, sentence, self._phones), sentence)
             for (samples, _), lines, sentence in zip(sounds, told, sentences, strict=True)
         ]
         return join_pieces(pieces, sounds[0][1])
@@ -72,10 +81,25 @@ class Festival(Voice):
     def _script(self, sentences: tuple[Sentence, ...], waves: list[Path]) -> bytes:
         functions = (files("mien") / "assets" / "voices" / "festival.scm").read_text(encoding="ascii")
         calls = [
-            f"(speak-sentence {scheme_string(sentence.text)} {scheme_string(str(wave))})"
+            f"(speak-sentence {scheme_string(self._written(sentence))} {scheme_string(str(wave))})"
             for sentence, wave in zip(sentences, waves, strict=True)
         ]
         return "\n".join([functions, f"(voice_{self._command})", *calls, ""]).encode("latin-1")
+
+    def notes(self, spoken: SpokenText) -> tuple[Note, ...]:
+        """Letters that Festival's voice does not know and how they are written for it instead."""
+        text = spoken.spoken
+        changed = [f"{letter!r} as {known!r}" for letter, known in self._letters.items() if letter in text and known]
+        if not changed:
+            return ()
+        return (Note("note", f"the voice {self.name!r} does not know some letters and reads {', '.join(changed)}"),)
+
+    def _written(self, sentence: Sentence) -> str:
+        """The sentence in letters that the voice knows."""
+        text = sentence.text
+        for letter, known in self._letters.items():
+            text = text.replace(letter, known)
+        return text
 
 
 def scheme_string(text: str) -> str:
@@ -100,12 +124,11 @@ def scheme_string(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
 
 
-def _times(lines: str, sentence: Sentence) -> tuple[list[Interval], list[Interval]]:
+def _times(lines: str, sentence: Sentence, table: dict[str, str]) -> tuple[list[Interval], list[Interval]]:
     """Phones, and a word for every token that has any: Festival's tokens are the words we gave it.
 
     Empty if a phone is not in our table or the tokens are not our words: the sound is aligned then.
     """
-    table = _settings()["phones"]
     phones: list[Interval] = []
     tokens: list[list[Interval]] = []
     for line in lines.splitlines():

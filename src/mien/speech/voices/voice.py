@@ -6,7 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from mien.audio import Audio
-from mien.errors import MissingPartError
+from mien.errors import MissingPartError, Note
+from mien.speech.languages import Language
 from mien.speech.text import SpokenText
 from mien.speech.voices.sentences import Sentence, sentences_of
 from mien.timeline import Tier
@@ -46,7 +47,8 @@ class Speech:
     audio : Audio
         Peak at -3 dBFS, a short silence at either end.
     phones : Tier or None
-        ARPAbet without stress digits, pauses as ``SIL``, the whole sound without gaps; None if the engine has no times.
+        ARPAbet without stress digits (the language's own signs where it is not English), pauses as ``SIL``, the whole
+        sound without gaps; None if the engine has no times.
     words : Tier or None
         The words spoken, lower case.
     breaks : tuple of Break
@@ -68,6 +70,8 @@ class Voice(ABC):
         As given to ``--voice``.
     language : str
         BCP 47 tag.
+    own_language : Language or None
+        How a language other than English is read and made; None for English.
     engine : str
         The program or model that makes the sound.
     licence, lineage : str
@@ -86,6 +90,7 @@ class Voice(ABC):
     lineage: str
     own_pronunciation: bool
     realign: bool
+    own_language: Language | None = None
 
     @abstractmethod
     def availability(self) -> Availability:
@@ -107,6 +112,10 @@ class Voice(ABC):
         """
         self.require()
         return self._speak(sentences_of(spoken), seed)
+
+    def notes(self, spoken: SpokenText) -> tuple[Note, ...]:
+        """What this voice cannot say as written, and says otherwise."""
+        return ()
 
     def require(self) -> None:
         """Raise unless the voice is installed.

@@ -1,0 +1,70 @@
+"""A text cut at its blanks, each piece with the pause that its marks ask for."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+__all__ = ["Token", "is_from_other_script", "tokens_of"]
+
+_MARKS = {"…": ".", "—": "-", "–": "-", ")": ",", "(": ",", "¿": "", "¡": ""}
+_RANK = "-,;:!?."
+_BEFORE = "\"'“”„«»‘’([{¿¡-–—−*_"
+_AFTER = "\"'“”«»‘’)]}.,;:!?…-–—*_"
+
+
+@dataclass(frozen=True)
+class Token:
+    """A piece of text without blanks and without the marks around it.
+
+    ``start`` and ``end`` count characters of the text; ``pause`` is the strongest of ``. ? ! : ; , -`` after it.
+    """
+
+    text: str
+    start: int
+    end: int
+    pause: str = ""
+
+
+def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
+    """Pieces between blanks. A stop after one of the ``short_forms`` (small letters, with their stop) ends no sentence.
+
+    Examples
+    --------
+    >>> [(token.text, token.pause) for token in tokens_of("Hei, esim. näin!", {"esim."})]
+    [('Hei', ','), ('esim.', ''), ('näin', '!')]
+    """
+    for match in re.finditer(r"[^ \t\r\f\v]+", text.replace("\n", " ")):
+        piece = match.group()
+        front = len(piece) - len(piece.lstrip(_BEFORE))
+        if piece[front - 1 : front] in ("-", "−") and piece[front : front + 1].isdigit():
+            front -= 1  # a minus
+        if front == len(piece):
+            yield Token("", match.start(), match.start(), _strongest(piece))
+            continue
+        body = piece[front:].rstrip(_AFTER)
+        tail = piece[front + len(body) :]
+        if tail[:1] == "." and f"{body}.".lower() in short_forms:
+            body, tail = body + ".", tail[1:] if tail[1:] else ""
+        elif tail[:1] == "." and body[-1:].isdigit() and re.match(r"\s*[a-zåäöšž]", text[match.end() :]):
+            body, tail = body + ".", tail[1:]  # an ordinal: "3. päivänä"
+        start = match.start() + front
+        yield Token(body, start, start + len(body), _strongest(tail))
+
+
+def _strongest(marks: str) -> str:
+    found = [mark for char in marks for mark in _MARKS.get(char, char) if mark in _RANK and mark]
+    return max(found, key=_RANK.index, default="")
+
+
+def is_from_other_script(char: str) -> bool:
+    """Whether it is a letter that is not Latin.
+
+    Examples
+    --------
+    >>> is_from_other_script("ж"), is_from_other_script("ø"), is_from_other_script("!")
+    (True, False, False)
+    """
+    return unicodedata.category(char)[0] == "L" and not unicodedata.name(char, "").startswith("LATIN")
