@@ -16,7 +16,13 @@ from mien.timeline import Interval, Tier
 RATE, EDGE, PHONE = 8000, 0.2, 0.1
 
 
-def toy_speech(text: str, voice: str | None = None, seed: int = 0, spellings: Sequence[object] = ()) -> Utterance:
+def toy_speech(
+    text: str,
+    voice: str | None = None,
+    seed: int = 0,
+    language: object = None,
+    spellings: Sequence[object] = (),
+) -> Utterance:
     """Words one after another without gaps, a fifth of a second of silence at either end."""
     now, phones, words = EDGE, [Interval(0.0, EDGE, "SIL")], []
     for word in spoken_words(text).words:

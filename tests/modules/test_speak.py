@@ -131,7 +131,7 @@ def test_a_command_without_words_makes_silence() -> None:
 
 def test_direction_over_a_recording() -> None:
     script = read_script('That is <pause seconds="1"/> <HeadNod/> true.')
-    said = speak_over(script, toy_speech)
+    said = speak_over(script, lambda text, language: toy_speech(text))
     assert said.utterance.text.split() == ["That", "is", "true."]
     assert [c.given["at"] for c in said.commands] == ["700"]
     assert "the recording has its own" in said.utterance.notes[0].message

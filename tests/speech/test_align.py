@@ -119,7 +119,7 @@ def test_noise_still_gets_a_mouth_and_a_warning() -> None:
     ("seconds", "text", "language", "said"),
     [
         (1.0, "", "en-US", "at least one word"),
-        (1.0, "Bonjour", "fr-FR", "not 'fr-FR'"),
+        (1.0, "Bonjour", "fr-FR", "unknown language .fr-FR."),
         (0.05, "hello", "en-US", "at least 0.1 s"),
     ],
 )

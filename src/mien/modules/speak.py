@@ -18,8 +18,8 @@ from mien.script.curves import ParameterCurve
 from mien.script.document import DirectedCommand, DirectedCurve, DirectedEmotion, Script, Segment
 from mien.script.moments import Moment, plain
 from mien.script.score import EmotionSpan
-from mien.speech.reshaping import Change, reshape
 from mien.speech.languages import read_words
+from mien.speech.reshaping import Change, reshape
 from mien.speech.text import SpokenText, spoken_words
 from mien.speech.utterance import Utterance
 from mien.timeline import Tier
