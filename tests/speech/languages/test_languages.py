@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tests.programs import voice_or_skip
 
 from mien.errors import InputError
 from mien.models.authored_mouth import AuthoredMouth
@@ -12,7 +13,6 @@ from mien.speech.languages import find_language, heard_as, in_english_phones, kn
 from mien.speech.languages.detection import looks_like, note_on_language
 from mien.speech.languages.language import Language
 from mien.timeline import Interval, Tier
-from tests.programs import voice_or_skip
 
 
 def language(tag: str) -> Language:

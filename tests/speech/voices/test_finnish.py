@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.programs import voice_or_skip
 
 from mien.errors import InputError
 from mien.models.authored_mouth import AuthoredMouth
@@ -11,7 +12,6 @@ from mien.speech.align import align
 from mien.speech.synthesis import synthesise
 from mien.speech.voices import get_voice
 from mien.timeline import FrameRate
-from tests.programs import voice_or_skip
 
 TEXT = "Hyvää yötä, pappi! Tapaan kuningattaren Åbossa."
 
