@@ -26,11 +26,13 @@ from mien.face.face import Face
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.files import replace_when_complete
-from mien.models.authored_expression import AuthoredExpression
 from mien.models.authored_mouth import AuthoredMouth
+from mien.models.authored_performance import authored_expression
 from mien.render.camera import Camera
 from mien.render.renderer import Renderer
+from mien.script.score import EmotionSpan, Score
 from mien.speech.phones import phone_table
+from mien.timeline import FrameRate
 
 JPEG_QUALITY = 86
 
@@ -94,8 +96,16 @@ def _viseme_shots() -> tuple[Shot, ...]:
 
 
 def _expression_shots() -> tuple[Shot, ...]:
-    model = AuthoredExpression()
-    return tuple(shot for name in model.names for shot in _two_views(name, model.pose(name), "face"))
+    """Each emotion at five moments of ten seconds, the last one from the side."""
+    model, rate = authored_expression(), FrameRate.of(25)
+    shots: list[Shot] = []
+    for name in model.names:
+        values = model.perform(Score((EmotionSpan(name),)), 10.0, rate, np.random.default_rng(0))
+        moments = [values[rate.nearest_frame(seconds)] for seconds in (1.0, 3.0, 5.0, 7.0, 9.0)]
+        poses = [{channel: float(weight) for channel, weight in zip(ALL, row, strict=True)} for row in moments]
+        shots += [Shot(name if not place else "", pose, "face") for place, pose in enumerate(poses[:-1])]
+        shots.append(Shot("", poses[-1], "face", yaw=35.0))
+    return tuple(shots)
 
 
 def _blink_shots() -> tuple[Shot, ...]:
@@ -120,7 +130,7 @@ SHEETS: dict[str, Sheet] = {
     "line": Sheet(_line_shots, columns=6, width=200, height=230),
     "shapes": Sheet(_shape_shots, columns=9, width=190, height=210),
     "visemes": Sheet(_viseme_shots, columns=4, width=250, height=190),
-    "expressions": Sheet(_expression_shots, columns=6, width=250, height=280),
+    "expressions": Sheet(_expression_shots, columns=5, width=200, height=230),
     "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }
 

@@ -61,7 +61,7 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         utterance=utterance,
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),
-        notes=utterance.notes,
+        notes=utterance.notes + performer.expression.notes(score),
     )
 
 

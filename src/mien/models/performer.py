@@ -8,9 +8,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.models.authored_expression import AuthoredExpression
+from mien.errors import Note
 from mien.models.authored_idle import AuthoredIdle
 from mien.models.authored_mouth import AuthoredMouth, MouthMotion
+from mien.models.authored_performance import authored_expression
 from mien.script.score import Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
@@ -38,6 +39,9 @@ class ExpressionModel(Protocol):
 
     def check(self, score: Score) -> None:
         """Refuse a score that asks for what the model does not have."""
+
+    def notes(self, score: Score) -> tuple[Note, ...]:
+        """What should be known about the emotions asked for."""
 
     def perform(
         self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator
@@ -76,4 +80,4 @@ class Performer:
     @classmethod
     def authored(cls) -> Performer:
         """The performer that needs no recordings: key shapes, poses and rules made by hand."""
-        return cls("authored", AuthoredMouth(), AuthoredExpression(), AuthoredIdle())
+        return cls("authored", AuthoredMouth(), authored_expression(), AuthoredIdle())
