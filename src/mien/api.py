@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from mien.audio import Audio
 from mien.audio_files import read_audio
 from mien.errors import InputError, Note
 from mien.face.face import Face
+from mien.models.authored_prosody import DEFAULT_STRENGTH, AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
 from mien.pipeline import perform
@@ -40,6 +42,7 @@ def say(
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
     """Speak a text with a synthetic voice and perform it.
@@ -64,6 +67,8 @@ def say(
         Same text, options, seed and version: same animation, bit for bit.
     performer : Performer, str or Path
         A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
+    prosody : float or "off"
+        How much brows and head go with the accents and phrase ends of the voice: 0 (or ``"off"``) to 1.
     commands : path-like or sequence of path-like
         Folders with command files of your own (``docs/commands.md``).
 
@@ -84,7 +89,7 @@ def say(
     from mien.modules.speak import speak
     from mien.modules.translate import translate
 
-    performer, score, rate = _prepared(performer, emotion, fps, seed)
+    performer, score, rate = _prepared(performer, emotion, fps, seed, prosody)
     library = _library(commands)
     script = _script(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
@@ -101,6 +106,7 @@ def animate(
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
     """Perform recorded speech.
@@ -114,7 +120,7 @@ def animate(
         approximate.
     language : str, Path or None
         What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
-    emotion, fps, seed, performer, commands
+    emotion, fps, seed, performer, prosody, commands
         As for `say`.
 
     Raises
@@ -126,7 +132,7 @@ def animate(
     from mien.modules.speak import speak_over
     from mien.modules.translate import translate
 
-    performer, score, rate = _prepared(performer, emotion, fps, seed)
+    performer, score, rate = _prepared(performer, emotion, fps, seed, prosody)
     library = _library(commands)
     if text is None:
         return perform(_heard(audio, None, language), score, performer, rate, seed)
@@ -251,7 +257,7 @@ def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:
 
 
 def _prepared(
-    performer: Performer | str | Path, emotion: Emotions, fps: Rate, seed: int
+    performer: Performer | str | Path, emotion: Emotions, fps: Rate, seed: int, prosody: float | str
 ) -> tuple[Performer, Score, FrameRate]:
     """Check every option before any long work begins."""
     if seed < 0:
@@ -260,7 +266,17 @@ def _prepared(
     if not isinstance(performer, Performer):
         performer = load_performer(performer)
     performer.expression.check(score)
+    performer = replace(performer, prosody=AuthoredProsody(_strength(prosody)))
     return performer, score, rate
+
+
+def _strength(prosody: float | str) -> float:
+    if isinstance(prosody, str) and prosody.strip().lower() == "off":
+        return 0.0
+    try:
+        return float(prosody)
+    except (TypeError, ValueError) as problem:
+        raise InputError(f"visual prosody is 'off' or a number from 0 to 1, not {prosody!r}") from problem
 
 
 def _score(emotion: Emotions) -> Score:

@@ -3,6 +3,7 @@
 mouth       what the phones ask of the mouth, and when the lips must stay shut
 expression  what the emotions ask of the whole face
 idle        blinks, glances, a moving head
+prosody     brows and nods on the accents and phrase ends of the voice
 blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
 direct      curves of the score (gestures, gaze, action units) are laid over the result
 """
@@ -49,12 +50,13 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     Animation
         Covers the sound: ``rate.frames_covering(utterance.duration)`` frames.
     """
-    for_expression, for_idle = np.random.default_rng(seed).spawn(2)
+    for_expression, for_idle, for_prosody = np.random.default_rng(seed).spawn(3)
     mouth = performer.mouth.perform(utterance, rate)
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
     idle = performer.idle.perform(utterance, rate, for_idle)
+    prosody = performer.prosody.perform(utterance, rate, for_prosody)
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
-    values = direct(blend(mouth.values, expression * share, idle), score.curves, rate, share)
+    values = direct(blend(mouth.values, expression * share + prosody, idle), score.curves, rate, share)
     return Animation(
         channels=ChannelTrack(channels.ALL, values, rate),
         markers=mouth.markers,

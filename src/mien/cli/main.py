@@ -152,6 +152,12 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
     )
+    parser.add_argument(
+        "--prosody",
+        metavar="off|0..1",
+        default="0.5",
+        help="how much brows and head go with the accents and phrase ends of the voice (default 0.5)",
+    )
     _add_language_option(parser)
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
@@ -190,7 +196,10 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    return {name: getattr(options, name) for name in ("language", "emotion", "fps", "seed", "performer", "commands")}
+    return {
+        name: getattr(options, name)
+        for name in ("language", "emotion", "fps", "seed", "performer", "prosody", "commands")
+    }
 
 
 def _checked_face(options: argparse.Namespace) -> Face:

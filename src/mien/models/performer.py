@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -12,11 +12,12 @@ from mien.errors import Note
 from mien.models.authored_idle import AuthoredIdle
 from mien.models.authored_mouth import AuthoredMouth, MouthMotion
 from mien.models.authored_performance import authored_expression
+from mien.models.authored_prosody import AuthoredProsody
 from mien.script.score import Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
 
-__all__ = ["ExpressionModel", "IdleModel", "MouthModel", "Performer"]
+__all__ = ["ExpressionModel", "IdleModel", "MouthModel", "Performer", "ProsodyModel"]
 
 
 class MouthModel(Protocol):
@@ -56,6 +57,13 @@ class IdleModel(Protocol):
         """Idle channels, shape (frames, channels)."""
 
 
+class ProsodyModel(Protocol):
+    """Accents and phrase ends of the voice, shown by brows and head."""
+
+    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> NDArray[np.float64]:
+        """Channels, shape (frames, channels)."""
+
+
 @dataclass(frozen=True)
 class Performer:
     """One person's way of moving.
@@ -63,8 +71,8 @@ class Performer:
     Attributes
     ----------
     name : str
-    mouth, expression, idle
-        The models for speech, emotion and signs of life.
+    mouth, expression, idle, prosody
+        The models for speech, emotion, signs of life and the accents of the voice.
 
     Examples
     --------
@@ -76,6 +84,7 @@ class Performer:
     mouth: MouthModel
     expression: ExpressionModel
     idle: IdleModel
+    prosody: ProsodyModel = field(default_factory=AuthoredProsody)
 
     @classmethod
     def authored(cls) -> Performer:

@@ -149,7 +149,9 @@ class Candidates:
         costs = np.zeros(len(nodes))
         heard = np.concatenate(asked.features)
         ends = np.cumsum([0, *(len(rows) for rows in asked.features)])
-        hear_all(heard, ends, weights, graph.features, graph.feature_starts, graph.feature_counts, nodes, offsets, costs)
+        hear_all(
+            heard, ends, weights, graph.features, graph.feature_starts, graph.feature_counts, nodes, offsets, costs
+        )
         return costs
 
 
