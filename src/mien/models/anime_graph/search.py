@@ -14,7 +14,7 @@ each keeps at least one cheapest way.
 2. *The audio distance, the dear part of a node, is computed late*: first F and B are taken with it at 0 (it is never
    below), then it is computed for the states that are left, and both are taken again.
 3. *Dominated sources.* The join is a distance, so the triangle inequality holds: if two states of one phone have
-   V(a) + join · |exit a - exit b| <= V(b), any jump from b costs at least as much as the same jump from a. (If that jump
+   V(a) + join · |exit a - exit b| <= V(b), a jump from b costs at least as much as the same from a. (If that jump
    leads to the recorded successor of a, it is none from a and costs less still.) Then b matters only for going on along
    its own recording, and not even for that if the jump from a to b's successor is as cheap. Taken in the order of lower
    bounds of V, most states are dominated before their V is computed at all.
