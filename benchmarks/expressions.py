@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mien.corpus.layouts import load_layout
 from mien.face.library import load_face
 from mien.files import replace_when_complete
-from mien.models.authored_performance import authored_expression, authored_performance, marker_basis
+from mien.models.authored_performance import authored_expression, authored_performance, authored_space, marker_basis
 from mien.models.expression_space import RATE, ExpressionSettings, ExpressionSpace
 from mien.models.patch_sampling import PatchSettings
 
@@ -112,7 +112,7 @@ def faces() -> list[str]:
 
 
 def sampling() -> list[str]:
-    space = authored_expression().space
+    space = authored_space()
     shares = space.space_.variances_ / space.space_.variances_.sum() * space.space_.share_
     lines = [
         "",

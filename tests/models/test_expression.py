@@ -7,14 +7,14 @@ import pytest
 
 from mien import channels
 from mien.errors import InputError
-from mien.models.authored_performance import authored_expression, authored_performance, sealed_share
+from mien.models.authored_performance import authored_expression, authored_performance, authored_space, sealed_share
 from mien.models.expression import NEUTRAL, Expression, weights_of
 from mien.models.expression_space import RATE, ExpressionSettings, ExpressionSpace, ExpressiveMotion
 from mien.script.intensity import IntensityCurve
 from mien.script.score import EmotionSpan, Score
 from mien.timeline import FrameRate
 
-MODEL = authored_expression()
+MODEL, SPACE = authored_expression(), authored_space()
 TIMES = np.arange(0, 4, 1 / 30)
 
 
@@ -48,8 +48,8 @@ def test_what_is_carried_moves_with_the_curve() -> None:
 
 @pytest.mark.parametrize("emotion", [name for name in MODEL.names if name != NEUTRAL])
 def test_sampled_motion_has_the_statistics_of_its_source(emotion: str) -> None:
-    source = MODEL.space.curves_[emotion][0]
-    new = MODEL.space.sample(emotion, 100.0, np.random.default_rng(7)).curve
+    source = SPACE.curves_[emotion][0]
+    new = SPACE.sample(emotion, 100.0, np.random.default_rng(7)).curve
     low, high = source.min(axis=0), source.max(axis=0)
     assert (new >= low - 1e-9).all()
     assert (new <= high + 1e-9).all()
@@ -139,7 +139,7 @@ def test_an_unknown_emotion_gets_a_guess() -> None:
 
 def test_what_was_not_recorded_is_told() -> None:
     assert MODEL.notes(Score((EmotionSpan("sad"),))) == ()  # of an authored repertoire nothing else is expected
-    own = Expression(MODEL.names, lambda: MODEL.space, sealed_share(), frozenset(MODEL.names) - {"happy"})
+    own = Expression(MODEL.names, lambda _: SPACE, sealed_share(), frozenset(MODEL.names) - {"happy"})
     notes = own.notes(Score((EmotionSpan("happy"), EmotionSpan("sad"))))
     assert [note.message for note in notes] == ["sad was not recorded for this performer: its motion is authored"]
 
@@ -151,4 +151,4 @@ def test_refusals() -> None:
     with pytest.raises(InputError, match="differ in their dimensions"):
         ExpressionSpace().fit({"happy": ragged})
     with pytest.raises(InputError, match="unknown emotion 'hapy'"):
-        MODEL.space.sample("hapy", 1.0, np.random.default_rng(0))
+        SPACE.sample("hapy", 1.0, np.random.default_rng(0))

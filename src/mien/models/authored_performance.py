@@ -54,7 +54,7 @@ def authored_expression() -> Expression:
     ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
     """
     names = tuple(read_table(TABLE)["emotion"])
-    return Expression(names, _space, sealed_share(), frozenset(names))
+    return Expression(names, lambda _: authored_space(), sealed_share(), frozenset(names))
 
 
 def sealed_share() -> Floats:
@@ -66,7 +66,8 @@ def sealed_share() -> Floats:
 
 
 @cache
-def _space() -> ExpressionSpace:
+def authored_space() -> ExpressionSpace:
+    """The expression space of the authored repertoire."""
     return ExpressionSpace().fit(authored_sources())
 
 

@@ -8,7 +8,6 @@ is left below one is neutral: a face at rest is not a still face.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,9 @@ class Expression:
     ----------
     names : sequence of str
         Emotions that can be asked for.
-    space : callable
-        Makes the space whose carried columns are `mien.channels.ALL`; called when the first emotion is performed.
+    space_of : callable
+        The space in which an emotion has its curves; its carried columns are `mien.channels.ALL`. Called when the
+        emotion is performed.
     sealed_share : ndarray, shape (channels,)
         Share of each channel that remains while the lips must be shut.
     authored : collection of str
@@ -45,16 +45,12 @@ class Expression:
     def __init__(
         self,
         names: tuple[str, ...],
-        space: Callable[[], ExpressionSpace],
+        space_of: Callable[[str], ExpressionSpace],
         sealed_share: Floats,
         authored: frozenset[str] = frozenset(),
     ) -> None:
-        self.names, self._make, self.sealed_share, self.authored = tuple(sorted(names)), space, sealed_share, authored
-
-    @cached_property
-    def space(self) -> ExpressionSpace:
-        """The space of all emotions."""
-        return self._make()
+        self.names, self.sealed_share, self.authored = tuple(sorted(names)), sealed_share, authored
+        self.space_of = space_of
 
     def check(self, score: Score) -> None:
         """Refuse a score that asks for an emotion this performer does not have.
@@ -91,7 +87,7 @@ class Expression:
 
     def _motion(self, emotion: str, times: Floats, random: np.random.Generator) -> Floats:
         # Whole seconds, so that the draws do not depend on the frame rate.
-        carried = self.space.sample(emotion, float(np.floor(times[-1]) + 1), random).carried
+        carried = self.space_of(emotion).sample(emotion, float(np.floor(times[-1]) + 1), random).carried
         places = times * RATE
         first = np.minimum(places.astype(np.int64), len(carried) - 2)
         share = (places - first)[:, None]

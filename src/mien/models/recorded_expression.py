@@ -1,0 +1,120 @@
+"""Expressions of a recorded person: an expression space from their own expressive takes (SPEC A11-A14)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien import channels
+from mien.corpus.cleaning.normalise import best_similarity
+from mien.corpus.layouts import load_layout
+from mien.corpus.take import Take
+from mien.errors import InputError, Note
+from mien.face.face import Face
+from mien.face.library import load_face
+from mien.face.retargeting import Retargeter
+from mien.models.authored_performance import authored_expression, without_eyelids
+from mien.models.expression import Expression
+from mien.models.expression_motion import Twins, expressive_displacement, find_twins
+from mien.models.expression_space import RATE, ExpressionSpace, ExpressiveMotion
+from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
+
+__all__ = ["RecordedExpressions", "expression_of", "learn_expressions"]
+
+Floats = NDArray[np.float64]
+LEAST_SECONDS = 1.0
+"""Seconds of expressive motion that an emotion needs; of less it is not learned."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedExpressions:
+    """What was learned of a person's expressions.
+
+    Attributes
+    ----------
+    space : ExpressionSpace
+        Carries `mien.channels.ALL`: what the default face does where the speaker's markers move so.
+    seconds : dict of str to float
+        Of expressive motion, by emotion.
+    notes : tuple of Note
+        Which takes were left out, and why.
+    """
+
+    space: ExpressionSpace
+    seconds: dict[str, float]
+    notes: tuple[Note, ...] = ()
+
+
+def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> RecordedExpressions | None:
+    """Learn from every expressive take that has a neutral twin; None if no emotion was recorded so.
+
+    Parameters
+    ----------
+    takes : sequence of Take
+        Expressive and neutral ones, of one layout.
+    face : Face or None
+        The face whose channels are carried; None takes the default face.
+
+    Raises
+    ------
+    InputError
+        If expressive takes have twins, but none of them can be used; the message tells the first reason.
+    """
+    stretches: dict[str, list[Floats]] = {}
+    faults: list[str] = []
+    twins = find_twins(takes)
+    for pair in twins:
+        try:
+            stretches.setdefault(pair.expressive.emotion, []).append(expressive_displacement(pair))
+        except InputError as problem:
+            faults.append(str(problem))
+    patch = LEAST_SECONDS * RATE
+    kept = {name: found for name, found in sorted(stretches.items()) if sum(map(len, found)) >= patch}
+    if not kept:
+        if faults:
+            raise InputError(f"none of the {len(twins)} expressive takes with a neutral twin can be used: {faults[0]}")
+        return None
+    to_channels = _ChannelsOfMarkers(twins[0], face or load_face("default"))
+    space = ExpressionSpace().fit({name: [to_channels.stretch(rows) for rows in found] for name, found in kept.items()})
+    seconds = {name: sum(map(len, found)) / RATE for name, found in kept.items()}
+    return RecordedExpressions(space, seconds, tuple(Note("warning", f"left out: {fault}") for fault in faults))
+
+
+class _ChannelsOfMarkers:
+    """The channels of a face that move its marker places as a speaker's markers moved."""
+
+    def __init__(self, twins: Twins, face: Face) -> None:
+        take, layout = twins.neutral, load_layout(twins.neutral.layout)
+        places = layout.places[layout.index(take.markers.names)]
+        rest = np.nanmean(take.markers.positions, axis=0)
+        self.turn = best_similarity(rest, places, np.ones(len(places)), scale=True)[:3, :3]
+        lids = set(take.markers.names) - set(without_eyelids(take.layout))
+        self.kept = [place for place, name in enumerate(take.markers.names) if name not in lids]
+        sites = nearest_sites(face, places)
+        sought = [name for name in channels.ARKIT if name not in NOT_BY_MARKERS and not name.startswith("eyeLook")]
+        moved = {name for name in sought if any(name in part.targets for part in face.parts)}
+        self.retargeter = Retargeter(face, sites, [name for name in sought if name in moved])
+        self.columns = [channels.ALL.index(name) for name in self.retargeter.channels]
+
+    def stretch(self, displacement: Floats) -> ExpressiveMotion:
+        """Expressive motion of a displacement, shape (samples, markers, 3): eyelids carried, not in the space."""
+        carried = np.zeros((len(displacement), len(channels.ALL)))
+        carried[:, self.columns] = self.retargeter.solve(displacement @ self.turn.T, RATE).weights
+        return ExpressiveMotion(displacement[:, self.kept].reshape(len(displacement), -1), carried)
+
+
+def expression_of(recorded: RecordedExpressions | None) -> Expression:
+    """The expression model of a performer: what was recorded, and the authored repertoire for what was not."""
+    authored = authored_expression()
+    if recorded is None:
+        return authored
+    names = tuple(sorted({*authored.names, *recorded.space.emotions}))
+    own = frozenset(recorded.space.emotions)
+
+    def space_of(emotion: str) -> ExpressionSpace:
+        return recorded.space if emotion in own else authored.space_of(emotion)
+
+    return Expression(names, space_of, authored.sealed_share, frozenset(names) - own)
