@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mien.corpus.take import Take
-    from mien.evaluate.protocols import Evaluation, FinishedModel
+    from mien.evaluate.protocols import Evaluation
     from mien.evaluate.splits import Fold
+    from mien.models.speech_model import SpeechModel
 
 __all__ = ["add_command"]
 
@@ -89,7 +90,7 @@ def _of_performer(options: argparse.Namespace) -> tuple[str, str, Evaluation]:
     if given:
         raise InputError(f"{given[0]} is for learning afresh from a corpus; {options.subject} is learned already")
     learned = load_learned(options.subject)
-    models: dict[str, FinishedModel] = {"speech motion": learned.motion, "paper's curves": learned.coarticulation}
+    models: dict[str, SpeechModel] = {"speech motion": learned.motion, "paper's curves": learned.coarticulation}
     corpus = Corpus(options.heldout)
     evaluation = evaluate_performer(options.subject, models, learned.trained_on, corpus, seed=options.seed)
     return f"performer-{learned.name}", f"Performer {learned.name} on held-out takes", evaluation

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +17,13 @@ from mien.evaluate.scores import Score, score
 from mien.evaluate.splits import Fold
 from mien.evaluate.takes import Recording, prepare
 from mien.evaluate.tallies import Tally, tally
-from mien.timeline import Tier
+from mien.models.speech_model import SpeechModel, synthesise
 
 __all__ = [
     "RECORDING",
     "REPETITIONS",
     "YARDSTICKS",
     "Evaluation",
-    "FinishedModel",
     "Trace",
     "evaluate_folds",
     "evaluate_performer",
@@ -45,17 +43,6 @@ TRACES = 4
 Array = NDArray[np.float64]
 Makers = Mapping[str, Callable[[], Model]]
 Progress = Callable[[int, int, str], None]
-
-
-class FinishedModel(Protocol):
-    """A model that has been fitted and knows which markers it moves."""
-
-    @property
-    def markers_(self) -> tuple[str, ...]:
-        """Names of the markers, in the order in which it gives them."""
-
-    def synthesise(self, phones: Tier, times: Array) -> Array:
-        """Positions of those markers at the given times, shape (frames, markers, 3), mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +147,7 @@ def evaluate_folds(
                 progress(number * len(makers) + place, total, model_name)
             model = make().fit([ready[name].take for name in fold.train])
             for name in test:
-                mouths[name][model_name] = model.synthesise(ready[name].take.phones, ready[name].times)
+                mouths[name][model_name] = _spoken(model, ready[name])
         for name in test:
             for row, mouth in mouths[name].items():
                 _add(tallies[row], name, tally(ready[name], mouth, counted[name]))
@@ -171,7 +158,7 @@ def evaluate_folds(
 
 def evaluate_performer(
     name: str,
-    models: Mapping[str, FinishedModel],
+    models: Mapping[str, SpeechModel],
     trained_on: Collection[str],
     corpus: Corpus,
     *,
@@ -183,7 +170,7 @@ def evaluate_performer(
     ----------
     name : str
         Of the performer, for messages.
-    models : mapping of str to FinishedModel
+    models : mapping of str to SpeechModel
         By the name of the row.
     trained_on : collection of str
         Identities (`Corpus.identity`) of the takes that it was learned from.
@@ -213,11 +200,16 @@ def evaluate_performer(
         mouths = _yardsticks(recording, every, recording.speech)
         for row, model in models.items():
             order = _order(name, model.markers_, recording)
-            mouths[row] = model.synthesise(recording.take.phones, recording.times)[:, order]
+            mouths[row] = _spoken(model, recording)[:, order]
         for row, mouth in mouths.items():
             tallies[row][take] = tally(recording, mouth, recording.speech)
         traces += [Trace(recording, mouths)] if take in kept else []
     return _finished(ready, tallies, traces, (), seed, notes)
+
+
+def _spoken(model: Model | SpeechModel, recording: Recording) -> Array:
+    """The mouth as a model has it; one that listens hears the take."""
+    return synthesise(model, recording.take.phones, recording.times, recording.take.audio)
 
 
 def _order(name: str, markers: Sequence[str], recording: Recording) -> list[int]:

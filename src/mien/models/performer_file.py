@@ -6,6 +6,8 @@ A zip archive of one ``performer.json`` and arrays as ``.npy`` (``numpy.load`` o
                       the takes it was learned from, counts of phone sequences, scalars of the models
     speech/...        `SpeechMotion`: pose space, influence curves, networks, closures, edited key shapes
     paper/...         `Coarticulation`: pose space, key shapes, curves of diphones and triphones, cost by degree
+    graph/...         from version 2, if it was learned: the Anime Graph and the residuals of its nodes (`graph_file`),
+                      read when they are first used
 
 Saving the same performer twice gives the same bytes; loading gives the same motion, bit for bit.
 """
@@ -14,6 +16,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from io import BytesIO
@@ -23,8 +26,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.errors import InputError, unknown_name
 from mien.files import replace_when_complete
+from mien.models.anime_graph.combined_motion import CombinedMotion
+from mien.models.anime_graph.graph_file import (
+    PREFIX,
+    RecordedSpeech,
+    graph_arrays,
+    graph_content,
+    is_mapped,
+    mapped_array,
+    recorded_speech,
+)
+from mien.models.anime_graph.graph_motion import GraphMotion
+from mien.models.anime_graph.recorded_residuals import RecordedResiduals
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.correction import Correction, CorrectionSettings
 from mien.models.coverage import Coverage
@@ -32,12 +47,18 @@ from mien.models.curves import Curves
 from mien.models.em_pca import EMPCA
 from mien.models.influence import InfluenceCurves, InfluenceSettings
 from mien.models.lip_closure import LipClosure, find_lips
+from mien.models.speech_model import SpeechModel
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
-__all__ = ["FORMAT", "VERSION", "LearnedSpeech", "load_learned", "save_learned"]
+__all__ = ["FORMAT", "SPEECH_MODELS", "VERSION", "LearnedSpeech", "load_learned", "save_learned"]
 
-FORMAT, VERSION = "mien-performer", 1
+FORMAT, VERSION = "mien-performer", 2
+READABLE = (1, 2)
+"""Version 1 has no graph."""
+SPEECH_MODELS = ("coarticulation", "graph", "both")
+"""Names of the models of the speaking mouth: learned curves, recorded motion, curves corrected by what was recorded."""
 _DATE = (1980, 1, 1, 0, 0, 0)
+_DEFLATED = zipfile.ZIP_DEFLATED
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -50,7 +71,7 @@ class LearnedSpeech:
     ----------
     name : str
     motion : SpeechMotion
-        The mouth that performs.
+        Learned curves: the speech model ``coarticulation``.
     coarticulation : Coarticulation
         The paper's curves, to look at and to compare with.
     fitting_cost : ndarray, shape (4, 6)
@@ -59,6 +80,10 @@ class LearnedSpeech:
         Identities (`mien.corpus.corpus.identity_of`) of the takes it was learned from.
     about : mapping of str to str
         Licence, attribution, corpus.
+    recorded : RecordedSpeech or None
+        Recorded motion: what the speech models ``graph`` and ``both`` need.
+    speech_model : str
+        The model that performs if none is asked for.
     """
 
     name: str
@@ -67,6 +92,38 @@ class LearnedSpeech:
     fitting_cost: NDArray[np.float64]
     trained_on: tuple[str, ...] = ()
     about: Mapping[str, str] = field(default_factory=dict)
+    recorded: RecordedSpeech | None = None
+    speech_model: str = "coarticulation"
+
+    @property
+    def speech_models(self) -> tuple[str, ...]:
+        """Models of the speaking mouth that this performer has."""
+        if self.recorded is None:
+            return SPEECH_MODELS[:1]
+        return SPEECH_MODELS if self.recorded.has_residuals else SPEECH_MODELS[:2]
+
+    def model(self, name: str | None = None) -> SpeechModel:
+        """A model of the speaking mouth, by name; None takes the performer's own.
+
+        Raises
+        ------
+        InputError
+            If there is no model of that name, or the performer was learned without it.
+        """
+        name = name or self.speech_model
+        if name not in SPEECH_MODELS:
+            raise unknown_name("speech model", name, SPEECH_MODELS)
+        if name not in self.speech_models or (self.recorded is None and name != "coarticulation"):
+            has = ", ".join(self.speech_models)
+            raise InputError(
+                f"performer {self.name!r} has no speech model {name!r} (it has: {has}); "
+                f"learn one with: mien learn CORPUS --speech-model {name}"
+            )
+        if self.recorded is None or name == "coarticulation":
+            return self.motion
+        if name == "graph" or self.recorded.residuals is None:
+            return self.recorded.motion
+        return CombinedMotion().restore(self.motion, self.recorded.residuals)
 
 
 def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
@@ -97,19 +154,23 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
         "class_curves": {" ".join(phones): [c.pairs, c.error] for phones, c in paper.class_curves_.items()},
         "keys": list(paper.keys_),
         "edited": list(motion.edits_),
+        "speech_model": learned.speech_model,
     }
     arrays = _speech_arrays(motion) | _paper_arrays(paper) | {"paper/fitting_cost": learned.fitting_cost}
+    if learned.recorded is not None:
+        content["graph"] = graph_content(learned.recorded)
+        arrays |= graph_arrays(learned.recorded)
     with replace_when_complete(path) as unfinished, zipfile.ZipFile(unfinished, "w") as archive:
         _write(archive, "performer.json", json.dumps(content, indent=1, ensure_ascii=False).encode())
         for name, array in arrays.items():
             entry = BytesIO()
             np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
-            _write(archive, name + ".npy", entry.getvalue())
+            _write(archive, name + ".npy", entry.getvalue(), zipfile.ZIP_STORED if is_mapped(name) else _DEFLATED)
 
 
-def _write(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
+def _write(archive: zipfile.ZipFile, name: str, content: bytes, kind: int = _DEFLATED) -> None:
     entry = zipfile.ZipInfo(name, _DATE)  # a fixed date: the same performer, the same bytes
-    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.compress_type = kind
     entry.external_attr = 0o644 << 16
     archive.writestr(entry, content)
 
@@ -164,20 +225,49 @@ def load_learned(path: str | Path) -> LearnedSpeech:
     path = Path(path)
     try:
         with zipfile.ZipFile(path) as archive:
-            content = json.loads(archive.read("performer.json"))
-        if content.get("format") != FORMAT or content.get("version") != VERSION:
+            written = archive.read("performer.json")
+        content = json.loads(written)
+        if content.get("format") != FORMAT or content.get("version") not in READABLE:
             found = f"{content.get('format')} {content.get('version')}"
             raise InputError(f"{path}: expected {FORMAT} {VERSION}, found {found}; learn it again or update mien")
         with np.load(path, allow_pickle=False) as file:
-            arrays: Arrays = {name: file[name] for name in file.files if name != "performer.json"}
+            wanted = [name for name in file.files if name != "performer.json" and not name.startswith(PREFIX)]
+            arrays: Arrays = {name: file[name] for name in wanted}
         motion, paper = _speech_from(content, arrays), _paper_from(content, arrays)
         return LearnedSpeech(
-            content["name"], motion, paper, arrays["paper/fitting_cost"], tuple(content["trained_on"]), content["about"]
+            content["name"],
+            motion,
+            paper,
+            arrays["paper/fitting_cost"],
+            tuple(content["trained_on"]),
+            content["about"],
+            _recorded_from(path, written, content, motion) if "graph" in content else None,
+            content.get("speech_model", "coarticulation"),
         )
     except FileNotFoundError as problem:
         raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien") from problem
     except (OSError, zipfile.BadZipFile, KeyError, ValueError, TypeError) as problem:
         raise InputError(f"{path}: no performer, or damaged ({problem}); learn it again") from problem
+
+
+def _recorded_from(path: Path, written: bytes, content: Mapping[str, Any], motion: SpeechMotion) -> RecordedSpeech:
+    """The graph of a file, read when it is first used."""
+
+    def read() -> tuple[GraphMotion, RecordedResiduals | None]:
+        try:
+            with zipfile.ZipFile(path) as archive:
+                if archive.read("performer.json") != written:
+                    raise InputError(f"{path}: was changed after it was loaded; load it again")
+                graph = content["graph"]
+                parts = recorded_speech(
+                    graph, lambda name: mapped_array(path, archive, name), motion.markers_, motion.closure_
+                )
+                parts[0].layout_ = motion.layout_
+                return parts
+        except (OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, IndexError) as problem:
+            raise InputError(f"{path}: its graph is damaged or gone ({problem}); learn it again") from problem
+
+    return RecordedSpeech("residual_weights" in content["graph"], read)
 
 
 def _space_from(prefix: str, components: int, arrays: Arrays) -> EMPCA:

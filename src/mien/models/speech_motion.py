@@ -161,10 +161,11 @@ class SpeechMotion:
             If a label is no phone.
         """
         times = np.asarray(times, dtype=np.float64)
-        positions = self.space_.decode(self._components(phones, times)).reshape(len(times), len(self.markers_), 3)
+        positions = self.space_.decode(self.components(phones, times)).reshape(len(times), len(self.markers_), 3)
         return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
 
-    def _components(self, phones: Tier, times: Floats) -> Floats:
+    def components(self, phones: Tier, times: Floats) -> Floats:
+        """Components of the pose in `space_`, closures not held, shape (frames, components)."""
         parts = self.curves_.place(phones, times)
         learned = self.curves_.components(parts)
         share = self.settings.correction_share
