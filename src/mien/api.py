@@ -42,6 +42,7 @@ def say(
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
@@ -67,6 +68,9 @@ def say(
         Same text, options, seed and version: same animation, bit for bit.
     performer : Performer, str or Path
         A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
+    speech_model : str or None
+        What moves the mouth: ``"coarticulation"`` (learned curves), ``"graph"`` (recorded motion) or ``"both"``, as
+        far as the performer has learned it; None takes the performer's own.
     prosody : float or "off"
         How much brows and head go with the accents and phrase ends of the voice: 0 (or ``"off"``) to 1.
     commands : path-like or sequence of path-like
@@ -89,7 +93,7 @@ def say(
     from mien.modules.speak import speak
     from mien.modules.translate import translate
 
-    performer, score, rate = _prepared(performer, emotion, fps, seed, prosody)
+    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     library = _library(commands)
     script = _script(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
@@ -106,6 +110,7 @@ def animate(
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
+    speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
 ) -> Animation:
@@ -120,7 +125,7 @@ def animate(
         approximate.
     language : str, Path or None
         What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
-    emotion, fps, seed, performer, prosody, commands
+    emotion, fps, seed, performer, speech_model, prosody, commands
         As for `say`.
 
     Raises
@@ -132,7 +137,7 @@ def animate(
     from mien.modules.speak import speak_over
     from mien.modules.translate import translate
 
-    performer, score, rate = _prepared(performer, emotion, fps, seed, prosody)
+    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     library = _library(commands)
     if text is None:
         return perform(_heard(audio, None, language), score, performer, rate, seed)
@@ -257,14 +262,21 @@ def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:
 
 
 def _prepared(
-    performer: Performer | str | Path, emotion: Emotions, fps: Rate, seed: int, prosody: float | str
+    performer: Performer | str | Path,
+    speech_model: str | None,
+    emotion: Emotions,
+    fps: Rate,
+    seed: int,
+    prosody: float | str,
 ) -> tuple[Performer, Score, FrameRate]:
     """Check every option before any long work begins."""
     if seed < 0:
         raise InputError(f"a seed is a whole number, 0 or more, not {seed}")
     rate, score = FrameRate.of(fps), _score(emotion)
     if not isinstance(performer, Performer):
-        performer = load_performer(performer)
+        performer = load_performer(performer, speech_model)
+    elif speech_model is not None:
+        raise InputError("a performer that is loaded has its speech model: give load_performer(name, speech_model)")
     performer.expression.check(score)
     performer = replace(performer, prosody=AuthoredProsody(_strength(prosody)))
     return performer, score, rate

@@ -223,8 +223,8 @@ def test_files_that_are_no_performer_are_refused(learned, tmp_path):
     with pytest.raises(InputError, match="no performer, or damaged"):
         load_learned(tmp_path / "text.mien")
     with zipfile.ZipFile(tmp_path / "newer.mien", "w") as archive:
-        archive.writestr("performer.json", '{"format": "mien-performer", "version": 2}')
-    with pytest.raises(InputError, match="expected mien-performer 1, found mien-performer 2"):
+        archive.writestr("performer.json", '{"format": "mien-performer", "version": 3}')
+    with pytest.raises(InputError, match="expected mien-performer 2, found mien-performer 3"):
         load_learned(tmp_path / "newer.mien")
     save_learned(learned, tmp_path / "cut.mien")
     (tmp_path / "cut.mien").write_bytes((tmp_path / "cut.mien").read_bytes()[:5000])
@@ -236,7 +236,7 @@ def test_learning_says_how_far_it_is_and_what_it_learned_from(recorded):
     heard = []
     made = learn(recorded[:8], SETTINGS, lambda done, total, what: heard.append((done, total, what)))
     assert [done for done, _, _ in heard] == list(range(1, heard[0][1] + 1))
-    assert heard[-1][2] == "curves"
+    assert heard[-1][2] == "recordings"
     assert made.trained_on == tuple(sorted(identity_of(t) for t in recorded[:8]))
 
 

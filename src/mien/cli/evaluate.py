@@ -91,6 +91,7 @@ def _of_performer(options: argparse.Namespace) -> tuple[str, str, Evaluation]:
         raise InputError(f"{given[0]} is for learning afresh from a corpus; {options.subject} is learned already")
     learned = load_learned(options.subject)
     models: dict[str, SpeechModel] = {"speech motion": learned.motion, "paper's curves": learned.coarticulation}
+    models |= {name: learned.model(name) for name in learned.speech_models[1:]}
     corpus = Corpus(options.heldout)
     evaluation = evaluate_performer(options.subject, models, learned.trained_on, corpus, seed=options.seed)
     return f"performer-{learned.name}", f"Performer {learned.name} on held-out takes", evaluation

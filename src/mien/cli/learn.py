@@ -16,6 +16,12 @@ def add_command(commands: Any) -> None:
     learn.add_argument("corpus", metavar="CORPUS", help="a folder made by 'mien corpus import'")
     learn.add_argument("-o", "--output", metavar="X.mien", required=True, help="the performer to write")
     learn.add_argument("--name", help="its name (default: that of the file)")
+    learn.add_argument(
+        "--speech-model",
+        choices=("coarticulation", "graph", "both"),
+        default="both",
+        help="learned curves, recorded motion, or curves corrected by what was recorded (default both)",
+    )
     learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
     learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
     learn.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -28,7 +34,7 @@ def _learn(options: argparse.Namespace) -> int:
     from mien.corpus.corpus import Corpus
     from mien.errors import InputError
     from mien.files import check_writable
-    from mien.models.learning import learn_corpus
+    from mien.models.learning import LearningSettings, learn_corpus
     from mien.models.performer_file import save_learned
 
     path = check_writable(options.output)
@@ -45,6 +51,7 @@ def _learn(options: argparse.Namespace) -> int:
 
         learned = learn_corpus(
             corpus,
+            LearningSettings(speech_model=options.speech_model),
             progress=progress,
             name=options.name or path.stem,
             exclude_words=_listed(options.exclude_words),

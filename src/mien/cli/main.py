@@ -143,6 +143,11 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--performer", default="default", metavar="NAME|X.mien", help="who moves: default, authored, or a .mien file"
     )
     parser.add_argument(
+        "--speech-model",
+        choices=("coarticulation", "graph", "both"),
+        help="what moves the mouth, as far as the performer has it: learned curves, recorded motion, or both",
+    )
+    parser.add_argument(
         "--emotion",
         metavar="NAME[:0..1]",
         action="append",
@@ -196,10 +201,8 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    return {
-        name: getattr(options, name)
-        for name in ("language", "emotion", "fps", "seed", "performer", "prosody", "commands")
-    }
+    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "commands")
+    return {name: getattr(options, name) for name in names}
 
 
 def _checked_face(options: argparse.Namespace) -> Face:

@@ -8,6 +8,8 @@ from mien.errors import unknown_name
 from mien.evaluate.baselines import Cosine, MeanPose, Model, Ridge
 from mien.evaluate.dominance import Dominance
 from mien.evaluate.perceptron import Perceptron
+from mien.models.anime_graph.combined_motion import CombinedMotion
+from mien.models.anime_graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
@@ -18,7 +20,9 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
     """Makers of untrained models, in the order of the table: baselines, then what mien learns.
 
     ``diphones`` and ``triphones`` are Deng et al.'s model with a key shape for each phone; ``influence curves`` are
-    the explicit part of ``speech motion``, which ships.
+    the explicit part of ``speech motion``. The last three hear the sound of the take: ``graph`` is recorded motion,
+    searched and joined (Cao et al.), with the paper's weights and with weights learned from the training takes;
+    ``both`` is ``speech motion`` corrected by what was recorded.
 
     Parameters
     ----------
@@ -48,6 +52,9 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
         "triphones": lambda: Coarticulation(CoarticulationSettings(key_per_phone=True)),
         "influence curves": lambda: SpeechMotion(SpeechMotionSettings(correction_share=0.0)),
         "speech motion": SpeechMotion,
+        "paper's graph": lambda: GraphMotion(GraphMotionSettings.of_the_paper()),
+        "graph": GraphMotion,
+        "both": CombinedMotion,
     }
     if names is None:
         return every

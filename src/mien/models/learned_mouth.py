@@ -33,6 +33,7 @@ from mien.models.articulation import articulation_table, parts_of
 from mien.models.authored_mouth import AuthoredMouth, MouthMotion
 from mien.models.influence import influence_of
 from mien.models.performer_file import LearnedSpeech
+from mien.models.speech_model import synthesise
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import FrameRate, Interval, Tier
 from mien.tracks import MarkerTrack
@@ -66,6 +67,9 @@ class LearnedMouth:
 
     clarity : float
         How sharply one key shape gives way to the next: 1 as learned, more for clearer speech.
+    speech_model : str or None
+        What moves the markers: ``coarticulation``, ``graph`` or ``both``; None takes the performer's own. Key shapes
+        are blended by the learned influence curves whatever it is.
 
     Raises
     ------
@@ -79,12 +83,14 @@ class LearnedMouth:
         face: Face | None = None,
         key_shape_share: float = KEY_SHAPE_SHARE,
         clarity: float = CLARITY,
+        speech_model: str | None = None,
     ) -> None:
         if not 0 <= key_shape_share <= 1:
             raise InputError(f"a share of key shapes runs from 0 to 1, not {key_shape_share:g}")
         if not clarity > 0:
             raise InputError(f"a clarity is above 0 (1: as learned), not {clarity:g}")
         self.learned, self.key_shape_share, self.clarity = learned, key_shape_share, clarity
+        self.speech = learned.model(speech_model)
         self.authored = AuthoredMouth()
         layout, markers = load_layout(learned.motion.layout_), learned.motion.markers_
         homeless = [name for name in markers if name not in layout.markers]
@@ -101,7 +107,7 @@ class LearnedMouth:
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels, lip seal and marker motion for every frame that covers the sound."""
         times = rate.times(rate.frames_covering(utterance.duration))
-        positions = self.learned.motion.synthesise(utterance.phones, times)
+        positions = synthesise(self.speech, utterance.phones, times, utterance.audio)
         keyed, share = (
             self.by_key_shapes(utterance.phones, times, self.authored.shapes_of(utterance)),
             self.key_shape_share,

@@ -7,10 +7,14 @@ from dataclasses import dataclass, field
 
 from mien.corpus.corpus import Corpus, identity_of
 from mien.corpus.take import Take
-from mien.errors import InputError
+from mien.errors import InputError, unknown_name
+from mien.models.anime_graph.combined_motion import learned_residuals
+from mien.models.anime_graph.graph_file import RecordedSpeech
+from mien.models.anime_graph.graph_motion import GraphMotion, GraphMotionSettings
+from mien.models.anime_graph.weight_learning import TRIALS
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.curves import fitting_cost
-from mien.models.performer_file import LearnedSpeech
+from mien.models.performer_file import SPEECH_MODELS, LearnedSpeech
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
 __all__ = ["LearningSettings", "Progress", "learn", "learn_corpus"]
@@ -27,10 +31,20 @@ class LearningSettings:
     ----------
     speech : SpeechMotionSettings
     paper : CoarticulationSettings
+    graph : GraphMotionSettings
+    speech_model : str
+        ``coarticulation``: learned curves alone; ``graph``: recorded motion too, and it performs; ``both``: the curves
+        are corrected by what was recorded, and that performs.
     """
 
     speech: SpeechMotionSettings = field(default_factory=SpeechMotionSettings)
     paper: CoarticulationSettings = field(default_factory=lambda: CoarticulationSettings(class_back_off=True))
+    graph: GraphMotionSettings = field(default_factory=GraphMotionSettings)
+    speech_model: str = "both"
+
+    def __post_init__(self) -> None:
+        if self.speech_model not in SPEECH_MODELS:
+            raise unknown_name("speech model", self.speech_model, SPEECH_MODELS)
 
 
 def learn(
@@ -61,7 +75,9 @@ def learn(
     """
     settings = settings or LearningSettings()
     motion = SpeechMotion(settings.speech)
-    total, done = motion.epochs + 1, 0
+    recorded = settings.speech_model != "coarticulation"
+    trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0
+    total, done = motion.epochs + 1 + trials + int(recorded), 0
 
     def step(what: str) -> None:
         nonlocal done
@@ -73,8 +89,21 @@ def learn(
     paper = Coarticulation(settings.paper).fit(takes)
     cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
     step("curves")
+    graph = _recorded(motion, takes, settings, lambda: step("graph")) if recorded else None
+    if recorded:
+        step("recordings")
     known = tuple(sorted(identity_of(take) for take in takes))
-    return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}))
+    return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
+
+
+def _recorded(
+    motion: SpeechMotion, takes: Sequence[Take], settings: LearningSettings, after_trial: Callable[[], None]
+) -> RecordedSpeech:
+    """The graph of the takes, and for ``both`` what they did beside the learned curves."""
+    graph = GraphMotion(settings.graph).fit(takes, after_trial)
+    if settings.speech_model == "graph":
+        return RecordedSpeech.of(graph, None)
+    return RecordedSpeech.of(graph, learned_residuals(motion, graph.graph_, takes))
 
 
 def learn_corpus(

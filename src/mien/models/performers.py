@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-from mien.errors import unknown_name
+from mien.errors import InputError, unknown_name
 from mien.models.performer import Performer
 from mien.models.performer_file import LearnedSpeech, load_learned
 
@@ -51,15 +51,21 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
     return load_learned(_folder() / f"{name}.mien")
 
 
-def load_performer(name: str | Path = "default") -> Performer:
+def load_performer(name: str | Path = "default", speech_model: str | None = None) -> Performer:
     """A performer ready to speak, by name or from a ``.mien`` file.
 
     A learned performer brings its own mouth; expression and signs of life are authored.
 
+    Parameters
+    ----------
+    name : str or Path
+    speech_model : str or None
+        ``coarticulation``, ``graph`` or ``both``, as far as the performer has learned it; None takes its own.
+
     Raises
     ------
     InputError
-        If the name is not known, or the file is missing or damaged.
+        If the name is not known, the file is missing or damaged, or the performer lacks the speech model.
 
     Examples
     --------
@@ -67,6 +73,8 @@ def load_performer(name: str | Path = "default") -> Performer:
     'authored'
     """
     if name == AUTHORED:
+        if speech_model is not None:
+            raise InputError(f"the authored performer has no speech model {speech_model!r}: it was learned from nobody")
         return Performer.authored()
     if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
         raise unknown_name("performer", str(name), known_performers())
@@ -74,4 +82,4 @@ def load_performer(name: str | Path = "default") -> Performer:
 
     learned = load_learned_performer(name)
     authored = Performer.authored()
-    return Performer(learned.name, LearnedMouth(learned), authored.expression, authored.idle)
+    return Performer(learned.name, LearnedMouth(learned, speech_model=speech_model), authored.expression, authored.idle)

@@ -118,7 +118,7 @@ class GraphMotion:
         ----------
         takes : sequence of Take
         after_trial : callable
-            Called after each trial of weights, to show progress.
+            Called `weight_learning.TRIALS` times if weights are learned, to show progress.
 
         Raises
         ------

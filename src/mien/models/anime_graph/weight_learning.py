@@ -38,7 +38,7 @@ _TRIED: dict[str, tuple[float, ...]] = {
     "duration": (0.0, 1.0, 4.0),
 }
 TRIALS = 1 + 2 * sum(len(values) for values in _TRIED.values())
-"""How many trials `learn_weights` makes at most."""
+"""How often `learn_weights` tells that it has gone on: as many trials as it can need."""
 
 Floats = NDArray[np.float64]
 
@@ -74,12 +74,13 @@ def learn_weights(
     weights, evenness
         Given, or None to learn them.
     after_trial : callable
-        Called after each trial, to show progress.
+        Called `TRIALS` times, to show progress.
     """
     from mien.models.anime_graph.graph_motion import LEARNED_START, GraphMotion
 
     start = _Choice(weights or LEARNED_START, 0.5 if evenness is None else evenness)
     if len(takes) < LEAST_TAKES:
+        _tell_rest(after_trial, 0)
         return start.weights, start.evenness
     held = list(range(HELD_OUT // 2, len(takes), HELD_OUT))
     held = held[:: -(-len(held) // MOST_HELD_OUT)]
@@ -90,7 +91,11 @@ def learn_weights(
     tests = [_Test.of(takes[place]) for place in held]
     free = [name for name in _TRIED if (evenness if name == "evenness" else weights) is None]
 
+    done = 0
+
     def missed(choice: _Choice) -> float:
+        nonlocal done
+        done += 1
         trial.restore(graph, choice.weights, choice.evenness)
         error = float(np.mean([test.missed(trial) for test in tests]))
         after_trial()
@@ -106,7 +111,13 @@ def learn_weights(
                     best, least = tried, error
         if best == before:
             break
+    _tell_rest(after_trial, done)
     return best.weights, best.evenness
+
+
+def _tell_rest(after_trial: Callable[[], None], done: int) -> None:
+    for _ in range(done, TRIALS):
+        after_trial()
 
 
 def _steps(best: _Choice, name: str) -> tuple[float, ...]:
