@@ -2,7 +2,7 @@
 
 >>> import mien
 >>> sorted(mien.__all__)
-['Animation', 'Audio', 'InputError', 'MienError', 'Utterance', 'align', 'animate', 'doctor', 'save', 'say']
+['Animation', 'Audio', 'InputError', 'MienError', 'Utterance', 'align', 'animate', 'doctor', 'express', 'save', 'say']
 
 The names are loaded when first used, so that ``import mien`` stays quick.
 """
@@ -14,13 +14,25 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mien.animation import Animation
-    from mien.api import align, animate, save, say
+    from mien.api import align, animate, express, save, say
     from mien.audio import Audio
     from mien.diagnosis import doctor
     from mien.errors import InputError, MienError
     from mien.speech.utterance import Utterance
 
-__all__ = ["Animation", "Audio", "InputError", "MienError", "Utterance", "align", "animate", "doctor", "save", "say"]
+__all__ = [
+    "Animation",
+    "Audio",
+    "InputError",
+    "MienError",
+    "Utterance",
+    "align",
+    "animate",
+    "doctor",
+    "express",
+    "save",
+    "say",
+]
 
 _HOMES = {
     "Animation": "mien.animation",
@@ -31,6 +43,7 @@ _HOMES = {
     "align": "mien.api",
     "animate": "mien.api",
     "doctor": "mien.diagnosis",
+    "express": "mien.api",
     "save": "mien.api",
     "say": "mien.api",
 }

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.metadata import version
 
+from mien.audio import Audio
+from mien.channels import ALL
 from mien.errors import Note
 from mien.script.score import Score
-from mien.speech.utterance import Utterance
-from mien.timeline import FrameRate
+from mien.speech.utterance import PAUSE, Utterance
+from mien.timeline import FrameRate, Interval, Tier
 from mien.tracks import ChannelTrack, MarkerTrack
 
-__all__ = ["Animation", "Provenance"]
+__all__ = ["Animation", "Provenance", "imported"]
 
 
 @dataclass(frozen=True)
@@ -51,3 +54,20 @@ class Animation:
     def rate(self) -> FrameRate:
         """Frame rate of the channels."""
         return self.channels.rate
+
+
+def imported(channels: ChannelTrack, name: str) -> Animation:
+    """Motion from elsewhere as an animation, over silence: what is said in it is not known.
+
+    Parameters
+    ----------
+    channels : ChannelTrack
+        Some of `mien.channels.ALL`; the others rest.
+    name : str
+        Where it comes from.
+    """
+    seconds = len(channels) / channels.rate.fps
+    pause = Tier("phones", (Interval(0.0, seconds, PAUSE),))
+    silence = Utterance("", Audio.silence(seconds, 16_000), Tier("words", ()), pause, "und", "none")
+    track = channels.select(ALL)
+    return Animation(track, None, silence, Score(), Provenance(f"imported from {name}", 0, version("mien")))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from mien.animation import Animation
+from mien.animation import Animation, imported
 from mien.audio import Audio
 from mien.audio_files import read_audio
 from mien.errors import InputError, Note
@@ -19,11 +19,12 @@ from mien.models.performers import load_performer
 from mien.pipeline import perform
 from mien.script.commands import CommandLibrary
 from mien.script.document import Script
+from mien.script.expression_parameters import read_expression_parameters
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
 
-__all__ = ["DEFAULT_FPS", "align", "animate", "read_text", "save", "say"]
+__all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_text", "save", "say"]
 
 DEFAULT_FPS = 30
 _DOCUMENTS = (".xml", ".ssml", ".bml")
@@ -56,7 +57,8 @@ def say(
         Path names a file: ``.txt``, ``.xml``, ``.ssml`` or ``.bml``.
     emotion : str, EmotionSpan, sequence of these, or None
         ``"happy"``, ``"happy:0.6"``, ``"happy:0.2@0,0.9@1.5"`` (value at second), ``"angry[0.5-1.2]:0.8"`` (from second
-        to second), ``"sad:curve.csv"``; several blend into one another.
+        to second), ``"sad:curve.csv"``; several blend into one another. ``"parameters.csv"`` alone is a file of MPEG-4
+        expression parameters (`mien.script.expression_parameters`).
     voice : str or None
         Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
     language : str, Path or None
@@ -147,6 +149,60 @@ def animate(
         speak_over(script, lambda words, spoken: _heard(audio, words, spoken), library, language), library
     )
     return perform_spoken(spoken, performer, rate, seed, score)
+
+
+def express(
+    motion: str | Path | Animation,
+    *,
+    emotion: Emotions,
+    fps: Rate | None = None,
+    seed: int = 0,
+    performer: Performer | str | Path = "default",
+) -> Animation:
+    """Lay an expression over motion that exists already.
+
+    Parameters
+    ----------
+    motion : str, Path or Animation
+        An animation, its native ``.json`` file, or a Live Link Face ``.csv``.
+    emotion : str, EmotionSpan or sequence of these
+        As for `say`.
+    fps : float, str, FrameRate or None
+        Of a ``.csv``; None reads it from the timecode.
+    seed, performer
+        As for `say`.
+
+    Raises
+    ------
+    InputError
+        If the motion cannot be read, or an option is not understood.
+    """
+    score = _score(emotion)
+    if not score.emotions:
+        raise InputError("expected an emotion to lay over the motion, such as happy:0.6")
+    if not isinstance(performer, Performer):
+        performer = load_performer(performer)
+    performer.expression.check(score)
+    from mien.pipeline import express as lay_over
+
+    return lay_over(_moved(motion, fps), score, performer, seed)
+
+
+def _moved(motion: str | Path | Animation, fps: Rate | None) -> Animation:
+    if isinstance(motion, Animation):
+        return motion
+    suffix = Path(motion).suffix.lower()
+    if suffix == ".json":
+        if fps is not None:
+            raise InputError("fps is for a .csv: a native animation knows its own")
+        from mien.output.native import read_native
+
+        return read_native(motion)
+    if suffix == ".csv":
+        from mien.livelink import read_livelink
+
+        return imported(read_livelink(motion, FrameRate.of(fps) if fps is not None else None), Path(motion).stem)
+    raise InputError(f"expected a native animation (.json) or a Live Link Face recording (.csv), got {motion}")
 
 
 def align(audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None) -> Utterance:
@@ -297,7 +353,16 @@ def _score(emotion: Emotions) -> Score:
     asked = (emotion,) if isinstance(emotion, (str, EmotionSpan)) else emotion
     if not isinstance(asked, Sequence) or not all(isinstance(span, (str, EmotionSpan)) for span in asked):
         raise InputError(f"an emotion is a text such as 'happy:0.6', an EmotionSpan, or several, not {emotion!r}")
-    return Score(tuple(EmotionSpan.parse(span) if isinstance(span, str) else span for span in asked))
+    return Score(tuple(span for one in asked for span in _spans(one)))
+
+
+def _spans(asked: str | EmotionSpan) -> tuple[EmotionSpan, ...]:
+    """One emotion, or all those of a file of MPEG-4 expression parameters."""
+    if isinstance(asked, EmotionSpan):
+        return (asked,)
+    if ":" not in asked and asked.strip().lower().endswith(".csv"):
+        return read_expression_parameters(asked.strip())
+    return (EmotionSpan.parse(asked),)
 
 
 def _heard(audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None) -> Utterance:

@@ -11,6 +11,7 @@ direct      curves of the score (gestures, gaze, action units) are laid over the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from mien import channels
 from mien.animation import Animation, Provenance
+from mien.models.authored_mouth import AuthoredMouth
 from mien.models.performer import Performer
 from mien.script.curves import ParameterCurve, lay_over
 from mien.script.score import Score
@@ -25,7 +27,7 @@ from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
 from mien.tracks import ChannelTrack
 
-__all__ = ["blend", "direct", "perform"]
+__all__ = ["blend", "direct", "express", "perform"]
 
 _WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
@@ -64,6 +66,44 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),
         notes=utterance.notes + performer.expression.notes(score),
+    )
+
+
+def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:
+    """Lay expressions over finished motion, ours or imported (SPEC A16b).
+
+    Parameters
+    ----------
+    animation : Animation
+        Where its phones are known, the lips stay shut where they must.
+    score : Score
+        The emotions; added to those that the animation answers to.
+    performer : Performer
+        Whose expressions.
+    seed : int
+
+    Returns
+    -------
+    Animation
+        The same frames, sound and markers.
+    """
+    random, rate, motion = np.random.default_rng(seed), animation.rate, animation.channels.select(channels.ALL).values
+    duration = len(motion) / rate.fps
+    expression = performer.expression.perform(score, duration, rate, random, neutral=False)[: len(motion)]
+    seal = AuthoredMouth().seals(animation.utterance, rate)[0][: len(motion), None]
+    share = np.ones((len(motion), 1))
+    share[: len(seal)] -= seal
+    share = share + (1 - share) * performer.expression.sealed_share
+    felt = expression * share
+    felt[:, _LIDS] *= 1 - np.clip(motion[:, _BLINK].max(axis=1, keepdims=True), 0, 1)  # blinks are in the motion
+    values = motion + felt
+    values[:, _BLINK] = 1 - (1 - motion[:, _BLINK]) * (1 - np.clip(felt[:, _BLINK], 0, 1))
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    return replace(
+        animation,
+        channels=ChannelTrack(channels.ALL, values, rate),
+        score=replace(animation.score, emotions=animation.score.emotions + score.emotions),
+        notes=animation.notes + performer.expression.notes(score),
     )
 
 

@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, inspect, learn, serve
+from mien.cli import evaluate, express, inspect, learn, serve
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.record import add_record_command
@@ -114,6 +114,7 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_command(commands)
     inspect.add_command(commands)
     face_commands.add_command(commands)
+    express.add_command(commands, _checked_face, _finish)
     serve.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
@@ -176,7 +177,7 @@ def _add_language_option(parser: argparse.ArgumentParser) -> None:
 def _say(options: argparse.Namespace) -> int:
     from mien import api
 
-    face = _checked_face(options)
+    face = _checked_face(options, [options.script])
     if (options.text is None) == (options.script is None):
         raise InputError("expected a text to say, or a file with --script, and not both")
     text = sys.stdin.read() if options.text == "-" else options.text
@@ -191,7 +192,7 @@ def _animate(options: argparse.Namespace) -> int:
 
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
-    face = _checked_face(options)
+    face = _checked_face(options, [options.script, options.audio, options.text])
     if options.text is not None and options.script is not None:
         raise InputError("--text and --script both say what is spoken: give one of them")
     text = Path(options.script) if options.script is not None else options.text
@@ -205,13 +206,13 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _checked_face(options: argparse.Namespace) -> Face:
+def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
     from mien.face.library import load_face
     from mien.output.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
-    _refuse_same_file(outputs, [options.script, *([options.audio, options.text] if hasattr(options, "audio") else [])])
+    _refuse_same_file(outputs, inputs)
     face = load_face(options.face)
     if options.deformer != "blendshapes":
         from mien.face.deformers import deformed_by

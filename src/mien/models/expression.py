@@ -73,15 +73,20 @@ class Expression:
             Note("note", f"{name} was not recorded for this performer: its motion is authored") for name in made
         )
 
-    def perform(self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator) -> Floats:
-        """Expression channels, shape (frames, channels), for every frame that covers ``duration`` seconds."""
+    def perform(
+        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True
+    ) -> Floats:
+        """Expression channels, shape (frames, channels), for every frame that covers ``duration`` seconds.
+
+        ``neutral`` False leaves out the neutral face's own small motion, for motion that is alive already.
+        """
         self.check(score)
         times = rate.times(rate.frames_covering(duration))
         spans = (EmotionSpan(NEUTRAL), *score.emotions)
         values = np.zeros((len(times), len(channels.ALL)))
         # One generator for each emotion: what one draws leaves the others as they are.
         for span, weight, draws in zip(spans, weights_of(score, times), random.spawn(len(spans)), strict=True):
-            if weight.any():
+            if weight.any() and (neutral or span.name != NEUTRAL):
                 values += weight[:, None] * self._motion(span.name, times, draws)
         return values
 

@@ -45,9 +45,9 @@ class ExpressionModel(Protocol):
         """What should be known about the emotions asked for."""
 
     def perform(
-        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator
+        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True
     ) -> NDArray[np.float64]:
-        """Expression channels, shape (frames, channels)."""
+        """Expression channels, shape (frames, channels); ``neutral`` False: nothing where no emotion is asked for."""
 
 
 class IdleModel(Protocol):
