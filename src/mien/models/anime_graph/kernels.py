@@ -10,15 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["backward_bounds", "beam", "cheapest_way", "within"]
+__all__ = ["backward_bounds", "beam", "cheapest_way", "join_bounds", "within"]
 
 # mypy: disable-error-code="no-untyped-def"
 # (numba infers the types; they stand in the docstrings)
 
 LANES = 16
-CELLS = 512
-FIRST = 8
-MOST_IN_CELL = 24
 
 _FAST = {"contract", "nsz", "reassoc"}
 
@@ -277,6 +274,60 @@ def _reach(node, entries, jump, join, blocks, poses, values, states, low, high, 
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
+def join_bounds(nodes, offsets, costs, follows, recorded, jump, join, exits, entries, order, before, after):
+    """Least cost up to and with each state, and of what comes after it, joins included; fills ``before``, ``after``.
+
+    Parameters as of `cheapest_way`; both results are ndarrays of float64, shape (states,).
+    """
+    steps = len(offsets) - 1
+    axes = exits.shape[1]
+    widest = 0
+    for step in range(steps):
+        widest = max(widest, offsets[step + 1] - offsets[step])
+    going_on = np.empty(widest)
+    going_from = np.empty(widest, dtype=np.int32)
+    room = (widest + LANES - 1) // LANES
+    poses = np.empty((room, axes, LANES), dtype=np.float32)
+    values = np.empty((room, LANES))
+    block_states = np.empty((room, LANES), dtype=np.int32)
+    low, high = np.empty((axes, room), dtype=np.float32), np.empty((axes, room), dtype=np.float32)
+    least_of, bound = np.empty(room), np.empty(room)
+    for step in range(steps):
+        first, last = offsets[step], offsets[step + 1]
+        blocks = 0
+        if step:
+            sources = np.arange(offsets[step - 1], first)
+            blocks = _blocks(sources, before, nodes, exits, order, poses, values, block_states, low, high, least_of)
+        _along_the_recording(step, nodes, offsets, follows, recorded, before, going_on, going_from)
+        for i in range(first, last):
+            value = 0.0
+            if step:
+                value, _ = _reach(nodes[i], entries, jump, join, blocks, poses, values, block_states, low, high,
+                                  least_of, bound, going_on[i - first], -1)  # fmt: skip
+            before[i] = value + costs[i]
+    whole = np.empty(len(nodes))
+    for step in range(steps - 1, -1, -1):
+        first, last = offsets[step], offsets[step + 1]
+        blocks, j, end = 0, last, last
+        if step < steps - 1:
+            end = offsets[step + 2]
+            sources = np.arange(last, end)
+            blocks = _blocks(sources, whole, nodes, entries, order, poses, values, block_states, low, high, least_of)
+        for i in range(first, last):
+            value = 0.0
+            if step < steps - 1:
+                value, successor = np.inf, nodes[i] + 1
+                while j < end and nodes[j] < successor:
+                    j += 1
+                if j < end and nodes[j] == successor and follows[successor]:
+                    value = whole[j] + recorded[successor]
+                value, _ = _reach(nodes[i], exits, jump, join, blocks, poses, values, block_states, low, high,
+                                  least_of, bound, value, -1)  # fmt: skip
+            after[i] = value
+            whole[i] = value + costs[i]
+
+
+@njit(cache=True, nogil=True, fastmath=_FAST)
 def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, entries, order, bounds, most, path):
     """The cheapest way; fills ``path`` with its states and returns its cost, and how many states were weighed.
 
@@ -300,9 +351,10 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
     block_states = np.empty((room, LANES), dtype=np.int32)
     low, high = np.empty((axes, room), dtype=np.float32), np.empty((axes, room), dtype=np.float32)
     least_of, bound = np.empty(room), np.empty(room)
+    rival_poses = np.empty((room, axes, LANES), dtype=np.float32)
+    rival_values = np.empty((room, LANES), dtype=np.float32)
+    rival_least = np.empty(room)
     sources = np.empty(widest, dtype=np.int32)
-    next_in_cell = np.empty(widest, dtype=np.int32)
-    cells = np.empty(CELLS, dtype=np.int32)
     blocks, least, weighed, end = 0, 0.0, 0, -1
     for step in range(steps):
         first, after = offsets[step], offsets[step + 1]
@@ -312,7 +364,6 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
             if step and least + jump < here:
                 here = least + jump
             lowest[i - first] = here + costs[i]
-        cells[:] = -1
         count, now = 0, np.inf
         for k in np.argsort(lowest[: after - first]):
             i = first + k
@@ -321,10 +372,7 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
             if step == steps - 1 and lowest[k] >= now:
                 break
             node = nodes[i]
-            cell = np.int64(order[node]) * CELLS // len(order)
-            rival = _better_source(
-                node, lowest[k], join, count, sources, nodes, reached, exits, cells[cell], next_in_cell
-            )
+            rival = _rival(node, lowest[k], join, count, sources, exits, rival_poses, rival_values, rival_least)
             if rival >= 0 and _rival_goes_on(node, rival, lowest[k], step, nodes, offsets, follows, recorded, reached,
                                              exits, entries, jump, join):  # fmt: skip
                 continue
@@ -337,10 +385,11 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
             reached[i], origin[i] = value, source
             if value < now:
                 now, end = value, i
-            if rival < 0:
-                sources[count] = i
-                next_in_cell[count] = cells[cell]
-                cells[cell] = count
+            if (
+                rival < 0
+                and _rival(node, value, join, count, sources, exits, rival_poses, rival_values, rival_least) < 0
+            ):
+                _add_rival(i, node, value, count, sources, exits, rival_poses, rival_values, rival_least)
                 count += 1
         if count == 0:
             return np.inf, weighed
@@ -353,6 +402,49 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
         path[step] = end
         end = origin[end]
     return least, weighed
+
+
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def _add_rival(state, node, value, count, sources, exits, rival_poses, rival_values, rival_least):
+    block, lane = count // LANES, count % LANES
+    if lane == 0:
+        rival_least[block] = np.inf
+        for other in range(LANES):
+            rival_values[block, other] = np.inf
+            for axis in range(exits.shape[1]):
+                rival_poses[block, axis, other] = 0.0
+    sources[count] = state
+    # Rounded up: a rival must not look better than it is.
+    rival_values[block, lane] = np.float32(value + abs(value) * 1e-7)
+    rival_least[block] = min(rival_least[block], value)
+    for axis in range(exits.shape[1]):
+        rival_poses[block, axis, lane] = exits[node, axis]
+
+
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def _rival(node, cost, join, count, sources, exits, rival_poses, rival_values, rival_least):
+    """A state from which every jump is at least as cheap as from a node reached at ``cost``; -1 if there is none."""
+    apart = np.empty(LANES, dtype=np.float32)
+    scale = np.float32(join)
+    for block in range((count + LANES - 1) // LANES):
+        if rival_least[block] > cost:
+            continue
+        for lane in range(LANES):
+            apart[lane] = 0.0
+        for axis in range(exits.shape[1]):
+            here = exits[node, axis]
+            for lane in range(LANES):
+                difference = rival_poses[block, axis, lane] - here
+                apart[lane] += difference * difference
+        for lane in range(LANES):
+            apart[lane] = rival_values[block, lane] + scale * np.sqrt(apart[lane])
+        found = -1
+        for lane in range(LANES):
+            if apart[lane] <= cost:
+                found = lane
+        if found >= 0:
+            return sources[block * LANES + found]
+    return -1
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
@@ -370,23 +462,6 @@ def _along_the_recording(step, nodes, offsets, follows, recorded, reached, going
             if j < first and nodes[j] == node - 1 and follows[node]:
                 going_on[i - first] = reached[j] + recorded[node]
                 going_from[i - first] = j
-
-
-@njit(cache=True, nogil=True, fastmath=_FAST)
-def _better_source(node, cost, join, count, sources, nodes, reached, exits, place, next_in_cell):
-    """A state from which every jump is at least as cheap as from a node reached at ``cost``; -1 if none is found."""
-    for k in range(min(FIRST, count)):
-        state = sources[k]
-        if reached[state] + join * _apart(exits, nodes[state], exits, node) <= cost:
-            return state
-    for _ in range(MOST_IN_CELL):
-        if place < 0:
-            break
-        state = sources[place]
-        if reached[state] + join * _apart(exits, nodes[state], exits, node) <= cost:
-            return state
-        place = next_in_cell[place]
-    return -1
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)

@@ -12,12 +12,14 @@ each keeps at least one cheapest way.
    paper's weights), what is left is nothing but the ways with the fewest jumps: long recorded runs. That the other
    costs never add up to a jump is not assumed: where they do, U says so, and the states stay.
 2. *The audio distance, the dear part of a node, is computed late*: first F and B are taken with it at 0 (it is never
-   below), then it is computed for the states that are left, and both are taken again.
+   below), then it is computed for the states that are left, and both are taken again. Long stretches, most of all
+   pauses, whose cost grows with the square of their length, wait once more: where few states are left, F and B are
+   taken with the joins, and only what is within U is heard.
 3. *Dominated sources.* The join is a distance, so the triangle inequality holds: if two states of one phone have
-   V(a) + join · |exit a - exit b| <= V(b), a jump from b costs at least as much as the same from a. (If that jump
-   leads to the recorded successor of a, it is none from a and costs less still.) Then b matters only for going on along
-   its own recording, and not even for that if the jump from a to b's successor is as cheap. Taken in the order of lower
-   bounds of V, most states are dominated before their V is computed at all.
+   V(a) + join · |exit a - exit b| <= V(b), any jump from b costs at least as much as the same jump from a. (If that
+   jump leads to the recorded successor of a, it is none from a and costs less still.) Then b matters only for going on
+   along its own recording, and not even for that if the jump from a to b's successor is as cheap. States are taken in
+   the order of lower bounds of V; many are dominated before their V is computed at all, and few are left to jump from.
 4. *Blocks.* The places to jump from are packed into blocks of 16 with like exit poses; a block whose least V, plus the
    distance of a pose to the block's box, is no less than the best jump found is skipped.
 
@@ -34,9 +36,10 @@ from numpy.typing import NDArray
 
 from mien.models.anime_graph.candidates import Candidates, GraphIndex, candidates_for
 from mien.models.anime_graph.costs import PathCost, SearchWeights, path_cost
-from mien.models.anime_graph.kernels import backward_bounds, beam, cheapest_way, within
+from mien.models.anime_graph.kernels import backward_bounds, beam, cheapest_way, join_bounds, within
 from mien.models.anime_graph.query import SpokenPhones
 from mien.models.anime_graph.standing_in import Substitution, substitutions_in
+from mien.speech.utterance import PAUSE
 
 __all__ = ["Effort", "FoundWay", "cheapest_nodes", "describe_way", "search"]
 
@@ -46,6 +49,12 @@ Whole32 = NDArray[np.int32]
 
 WIDTH = 24
 """States that the beam keeps."""
+
+LONG = 32
+"""Frames of features from which a phone counts as long; pauses always do."""
+
+FEW = 0.6
+"""Share of all states that may be left for bounds with joins to be worth their time."""
 
 ROUNDING = 1e-5
 """Share of a known cost that bounds must exceed it by: distances are in single precision."""
@@ -60,7 +69,7 @@ class Effort:
     states : int
         Nodes that could stand at the phones, summed over the phones.
     heard : int
-        States left after the first bounds: their audio was compared.
+        States left when the audio of long phones was compared, the last.
     left : int
         States left after the second bounds.
     weighed : int
@@ -145,11 +154,17 @@ def cheapest_nodes(candidates: Candidates) -> tuple[Whole, Effort]:
     states = _States.of(candidates)
     every = len(states.nodes)
     states.bound()
-    states.drop(states.cost_of(states.promising(), heard=False))
-    heard = len(states.nodes)
-    states.hear()
+    states.drop(states.known_cost())
+    states.hear(states.short)
     states.bound()
-    most = states.cost_of(states.promising(), heard=True)
+    most = states.known_cost()
+    states.drop(most)
+    if states.weighs_long and len(states.nodes) < FEW * every:
+        states.bound_with_joins(most)
+    heard = len(states.nodes)
+    states.hear(~states.short)
+    states.bound()
+    most = states.known_cost()
     states.drop(most)
     path, weighed = states.cheapest(most)
     return states.nodes[path].astype(np.int64), Effort(every, heard, len(states.nodes), weighed)
@@ -163,6 +178,9 @@ class _States:
         self.index, weights = candidates.index, candidates.weights
         self.recorded = self.index.recorded_joins(weights.join if weights.join_everywhere else 0.0)
         self.bounds = np.empty(0)
+        asked = candidates.asked
+        self.short = np.array([len(rows) < LONG for rows in asked.features]) & (np.array(asked.phones) != PAUSE)
+        self._unheard = np.array([weights.audio_of(phone) for phone in asked.phones])
 
     @classmethod
     def of(cls, candidates: Candidates) -> _States:
@@ -183,34 +201,47 @@ class _States:
         self.bounds = np.empty(len(self.nodes))
         self._run(backward_bounds, self.bounds)
 
-    def promising(self) -> Whole:
+    def known_cost(self) -> float:
+        """Cost of a way that a beam finds, and a little more."""
         path = np.empty(len(self.offsets) - 1, dtype=np.int64)
-        index, join = self.index, self.candidates.weights.join
-        self._run(beam, join, index.exits, index.entries, self.bounds, WIDTH, path)
-        return path
-
-    def cost_of(self, path: Whole, heard: bool) -> float:
-        """Cost of a way given by its states; ``heard`` says that their costs hold the audio already."""
-        nodes, weights = self.nodes[path], self.candidates.weights
-        apart = np.sqrt(((self.index.exits[nodes[:-1]] - self.index.entries[nodes[1:]]) ** 2).sum(axis=1))
-        along = (nodes[1:] == nodes[:-1] + 1) & self.index.follows[nodes[1:]]
+        index, weights = self.index, self.candidates.weights
+        self._run(beam, weights.join, index.exits, index.entries, self.bounds, WIDTH, path)
+        nodes = self.nodes[path]
+        apart = np.sqrt(((index.exits[nodes[:-1]] - index.entries[nodes[1:]]) ** 2).sum(axis=1))
+        along = (nodes[1:] == nodes[:-1] + 1) & index.follows[nodes[1:]]
         steps = np.where(along, self.recorded[nodes[1:]], weights.jump + weights.join * apart)
         cost = float(self.costs[path].sum() + steps.sum(dtype=np.float64))
-        if not heard:
-            cost += float(self.candidates.audio_costs(nodes, np.arange(len(nodes) + 1)).sum())
+        cost += float(self.candidates.audio_costs(nodes, np.arange(len(nodes) + 1), self._unheard).sum())
         return cost * (1 + ROUNDING) + ROUNDING
+
+    def bound_with_joins(self, most: float) -> None:
+        """Keep what the best known way could pass when joins are counted; ``most`` is the cost of one."""
+        before, after = np.empty(len(self.nodes)), np.empty(len(self.nodes))
+        index, join = self.index, self.candidates.weights.join
+        self._run(join_bounds, join, index.exits, index.entries, index.exit_order, before, after)
+        self.bounds = after  # led by them, the beam finds a better way
+        self._keep(before + after <= min(most, self.known_cost()))
 
     def drop(self, most: float) -> None:
         """Keep what a way of cost ``most`` could pass."""
         kept = np.empty(len(self.nodes), dtype=bool)
         self._run(within, self.bounds, most, kept)
+        self._keep(kept)
+
+    def _keep(self, kept: NDArray[np.bool_]) -> None:
         running = np.concatenate([[0], np.cumsum(kept)])
         self.nodes, self.costs, self.bounds = self.nodes[kept], self.costs[kept], self.bounds[kept]
         self.offsets = running[self.offsets]
 
-    def hear(self) -> None:
-        """Add the audio distances to the costs."""
-        self.costs += self.candidates.audio_costs(self.nodes, self.offsets)
+    def hear(self, phones: NDArray[np.bool_]) -> None:
+        """Add the audio distances of some phones to the costs."""
+        self.costs += self.candidates.audio_costs(self.nodes, self.offsets, np.where(phones, self._unheard, 0.0))
+        self._unheard = np.where(phones, 0.0, self._unheard)
+
+    @property
+    def weighs_long(self) -> bool:
+        """Whether the audio of a long phone still counts for something."""
+        return bool((self._unheard > 0).any())
 
     def cheapest(self, most: float) -> tuple[Whole, int]:
         path = np.empty(len(self.offsets) - 1, dtype=np.int64)
