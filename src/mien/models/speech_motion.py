@@ -33,6 +33,9 @@ MARGIN = 0.32
 with nothing but silence about them and shuts the mouth in long pauses. (0.12 s scores 0.01 mm better on unseen takes
 and leaves the lips 2 mm apart in a pause.)"""
 
+BLOCK = 4096
+"""Frames that are synthesised at once, which bounds the memory."""
+
 Floats = NDArray[np.float64]
 
 
@@ -166,6 +169,9 @@ class SpeechMotion:
 
     def components(self, phones: Tier, times: Floats) -> Floats:
         """Components of the pose in `space_`, closures not held, shape (frames, components)."""
+        if len(times) > BLOCK:
+            blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
+            return np.concatenate([self.components(phones, block) for block in blocks])
         parts = self.curves_.place(phones, times)
         learned = self.curves_.components(parts)
         share = self.settings.correction_share
