@@ -67,3 +67,25 @@ def test_what_cannot_be_is_one_line(
 def test_a_folder_without_a_corpus_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert learn(tmp_path, "-o", str(tmp_path / "a.mien")) == 2
     assert "mien corpus import" in capsys.readouterr().err
+
+
+def test_the_speech_model_is_chosen_and_asked_for(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "curves.mien"
+    assert learn(folder, "-o", str(output), "--speech-model", "coarticulation", "--quiet") == 0
+    for performer, model in ((str(output), "graph"), ("authored", "both")):
+        asked = ["say", "Me too.", "--performer", performer, "--speech-model", model, "-o", str(tmp_path / "a.csv")]
+        assert main(asked) == 2
+        line = capsys.readouterr().err
+        assert f"has no speech model '{model}'" in line
+        assert line.count("\n") == 1
+    assert not (tmp_path / "a.csv").exists()
+    written = []
+    for model in ("coarticulation", "graph", "both"):
+        path = tmp_path / f"{model}.csv"
+        assert main(["say", "Me too.", "--speech-model", model, "-o", str(path), "--quiet"]) == 0
+        written.append(path.read_bytes())
+    assert len(set(written)) == 3
+    assert main(["say", "Me too.", "-o", str(tmp_path / "own.csv"), "--quiet"]) == 0
+    assert (tmp_path / "own.csv").read_bytes() == written[2]
