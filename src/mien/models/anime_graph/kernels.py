@@ -16,6 +16,7 @@ __all__ = ["backward_bounds", "beam", "cheapest_way", "join_bounds", "within"]
 # (numba infers the types; they stand in the docstrings)
 
 LANES = 16
+GROUP = 16
 
 _FAST = {"contract", "nsz", "reassoc"}
 
@@ -233,6 +234,16 @@ def _blocks(sources, costs, nodes, exits, order, poses, values, states, low, hig
                     low[axis, block] = value
                 if lane == 0 or value > high[axis, block]:
                     high[axis, block] = value
+    for block in range(blocks):  # boxes of groups of blocks stand behind those of the blocks
+        group = blocks + block // GROUP
+        if block % GROUP == 0:
+            least[group] = np.inf
+        least[group] = min(least[group], least[block])
+        for axis in range(exits.shape[1]):
+            if block % GROUP == 0 or low[axis, block] < low[axis, group]:
+                low[axis, group] = low[axis, block]
+            if block % GROUP == 0 or high[axis, block] > high[axis, group]:
+                high[axis, group] = high[axis, block]
     return blocks
 
 
@@ -240,44 +251,56 @@ def _blocks(sources, costs, nodes, exits, order, poses, values, states, low, hig
 def _reach(node, entries, jump, join, blocks, poses, values, states, low, high, least, bound, best, origin):
     """Least cost of reaching a node by a jump, if less than ``best``; and from which state."""
     axes = entries.shape[1]
-    for block in range(blocks):
-        bound[block] = 0.0
-    for axis in range(axes):
-        here = entries[node, axis]
-        for block in range(blocks):
-            below, above = low[axis, block] - here, here - high[axis, block]
-            outside = max(max(below, above), np.float32(0))
-            bound[block] += outside * outside
-    nearest, nearest_bound = 0, np.inf
-    for block in range(blocks):
-        value = least[block] + jump + join * np.sqrt(bound[block])
-        bound[block] = value
-        if value < nearest_bound:
-            nearest, nearest_bound = block, value
+    groups = (blocks + GROUP - 1) // GROUP
+    _bound_boxes(node, entries, jump, join, blocks, blocks + groups, low, high, least, bound)
+    nearest = np.argmin(bound[blocks : blocks + groups])
     apart = np.empty(LANES, dtype=np.float32)
-    for turn in range(-1, blocks):
-        block = nearest if turn < 0 else turn
-        if bound[block] > best or (turn == nearest):
+    for turn in range(-1, groups):
+        group = nearest if turn < 0 else turn
+        if bound[blocks + group] > best or turn == nearest:
             continue
-        for lane in range(LANES):
-            apart[lane] = 0.0
-        for axis in range(axes):
-            here = entries[node, axis]
+        first, after = group * GROUP, min((group + 1) * GROUP, blocks)
+        _bound_boxes(node, entries, jump, join, first, after, low, high, least, bound)
+        for block in range(first, after):
+            if bound[block] > best:
+                continue
             for lane in range(LANES):
-                difference = poses[block, axis, lane] - here
-                apart[lane] += difference * difference
-        for lane in range(LANES):
-            value = values[block, lane] + jump + join * np.sqrt(apart[lane])
-            if value < best:
-                best, origin = value, states[block, lane]
+                apart[lane] = 0.0
+            for axis in range(axes):
+                here = entries[node, axis]
+                for lane in range(LANES):
+                    difference = poses[block, axis, lane] - here
+                    apart[lane] += difference * difference
+            for lane in range(LANES):
+                value = values[block, lane] + jump + join * np.sqrt(apart[lane])
+                if value < best:
+                    best, origin = value, states[block, lane]
     return best, origin
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
-def join_bounds(nodes, offsets, costs, follows, recorded, jump, join, exits, entries, order, before, after):
+def _bound_boxes(node, entries, jump, join, first, after, low, high, least, bound):
+    """Fill ``bound`` with what a jump to a node costs at least from boxes ``first`` up to and without ``after``."""
+    for box in range(first, after):
+        bound[box] = 0.0
+    for axis in range(entries.shape[1]):
+        here = entries[node, axis]
+        for box in range(first, after):
+            below, above = low[axis, box] - here, here - high[axis, box]
+            outside = max(max(below, above), np.float32(0))
+            bound[box] += outside * outside
+    for box in range(first, after):
+        bound[box] = least[box] + jump + join * np.sqrt(bound[box])
+
+
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def join_bounds(
+    nodes, offsets, costs, follows, recorded, jump, join, exits, entries, order, bounds, most, before, after
+):
     """Least cost up to and with each state, and of what comes after it, joins included; fills ``before``, ``after``.
 
-    Parameters as of `cheapest_way`; both results are ndarrays of float64, shape (states,).
+    Parameters as of `cheapest_way`; both results are ndarrays of float64, shape (states,). They are infinite for states
+    that no way of cost ``most`` passes.
     """
     steps = len(offsets) - 1
     axes = exits.shape[1]
@@ -290,30 +313,41 @@ def join_bounds(nodes, offsets, costs, follows, recorded, jump, join, exits, ent
     poses = np.empty((room, axes, LANES), dtype=np.float32)
     values = np.empty((room, LANES))
     block_states = np.empty((room, LANES), dtype=np.int32)
-    low, high = np.empty((axes, room), dtype=np.float32), np.empty((axes, room), dtype=np.float32)
-    least_of, bound = np.empty(room), np.empty(room)
+    boxes = room + room // GROUP + 1
+    low, high = np.empty((axes, boxes), dtype=np.float32), np.empty((axes, boxes), dtype=np.float32)
+    least_of, bound = np.empty(boxes), np.empty(boxes)
+    least = 0.0
     for step in range(steps):
         first, last = offsets[step], offsets[step + 1]
         blocks = 0
         if step:
-            sources = np.arange(offsets[step - 1], first)
+            sources = offsets[step - 1] + np.flatnonzero(before[offsets[step - 1] : first] < np.inf)
             blocks = _blocks(sources, before, nodes, exits, order, poses, values, block_states, low, high, least_of)
         _along_the_recording(step, nodes, offsets, follows, recorded, before, going_on, going_from)
         for i in range(first, last):
-            value = 0.0
+            value = 0.0 if step == 0 else min(going_on[i - first], least + jump)
+            if value + costs[i] + bounds[i] > most:
+                before[i] = np.inf
+                continue
             if step:
                 value, _ = _reach(nodes[i], entries, jump, join, blocks, poses, values, block_states, low, high,
                                   least_of, bound, going_on[i - first], -1)  # fmt: skip
             before[i] = value + costs[i]
+            if before[i] + bounds[i] > most:
+                before[i] = np.inf
+        least = before[first:last].min()
     whole = np.empty(len(nodes))
     for step in range(steps - 1, -1, -1):
         first, last = offsets[step], offsets[step + 1]
         blocks, j, end = 0, last, last
         if step < steps - 1:
             end = offsets[step + 2]
-            sources = np.arange(last, end)
+            sources = last + np.flatnonzero(whole[last:end] < np.inf)
             blocks = _blocks(sources, whole, nodes, entries, order, poses, values, block_states, low, high, least_of)
         for i in range(first, last):
+            after[i] = whole[i] = np.inf
+            if before[i] == np.inf:
+                continue
             value = 0.0
             if step < steps - 1:
                 value, successor = np.inf, nodes[i] + 1
@@ -323,8 +357,8 @@ def join_bounds(nodes, offsets, costs, follows, recorded, jump, join, exits, ent
                     value = whole[j] + recorded[successor]
                 value, _ = _reach(nodes[i], exits, jump, join, blocks, poses, values, block_states, low, high,
                                   least_of, bound, value, -1)  # fmt: skip
-            after[i] = value
-            whole[i] = value + costs[i]
+            if before[i] + value <= most:
+                after[i], whole[i] = value, value + costs[i]
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
@@ -349,8 +383,9 @@ def cheapest_way(nodes, offsets, costs, follows, recorded, jump, join, exits, en
     poses = np.empty((room, axes, LANES), dtype=np.float32)
     values = np.empty((room, LANES))
     block_states = np.empty((room, LANES), dtype=np.int32)
-    low, high = np.empty((axes, room), dtype=np.float32), np.empty((axes, room), dtype=np.float32)
-    least_of, bound = np.empty(room), np.empty(room)
+    boxes = room + room // GROUP + 1
+    low, high = np.empty((axes, boxes), dtype=np.float32), np.empty((axes, boxes), dtype=np.float32)
+    least_of, bound = np.empty(boxes), np.empty(boxes)
     rival_poses = np.empty((room, axes, LANES), dtype=np.float32)
     rival_values = np.empty((room, LANES), dtype=np.float32)
     rival_least = np.empty(room)

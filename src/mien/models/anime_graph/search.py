@@ -218,9 +218,11 @@ class _States:
         """Keep what the best known way could pass when joins are counted; ``most`` is the cost of one."""
         before, after = np.empty(len(self.nodes)), np.empty(len(self.nodes))
         index, join = self.index, self.candidates.weights.join
-        self._run(join_bounds, join, index.exits, index.entries, index.exit_order, before, after)
-        self.bounds = after  # led by them, the beam finds a better way
-        self._keep(before + after <= min(most, self.known_cost()))
+        self._run(join_bounds, join, index.exits, index.entries, index.exit_order, self.bounds, most, before, after)
+        whole = before + after
+        self.bounds = after
+        self._keep(whole <= most)
+        self._keep(whole[whole <= most] <= self.known_cost())  # led by these bounds the beam finds a better way
 
     def drop(self, most: float) -> None:
         """Keep what a way of cost ``most`` could pass."""
