@@ -137,7 +137,7 @@ def test_classes_have_one_shape_each(shapes):
 
 def test_which_pictures_there_are():
     names = [name for name, _ in pictures_of(known_performer())]
-    rest = ["fitting-cost.png", "coverage.png", "influence.png"]
+    rest = ["fitting-cost.png", "coverage.png", "influence.png", "expressions-authored.png"]
     sheets = ["key-shapes-speaker.png", "key-shapes-face.png", "key-shapes-classes.png"]
     assert names == ["diphones.png", "triphones.png", *rest, *sheets]
     asked = [name for name, _ in pictures_of(known_performer(), ["SIL B L"], "blue")]

@@ -61,6 +61,11 @@ def _learn(options: argparse.Namespace) -> int:
     if not options.quiet:
         takes, size = len(learned.trained_on), path.stat().st_size / 1e6
         print(f"{options.output}: learned from {takes} of {len(corpus)} takes, {size:.1f} MB")
+        if learned.expressions is not None:
+            told = ", ".join(f"{name} {seconds:.0f} s" for name, seconds in learned.expressions.seconds.items())
+            print(f"expressions: {told}")
+            for note in learned.expressions.notes:
+                print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
     return 0
 
 

@@ -10,9 +10,11 @@ from PIL import Image
 from mien.face.face import Face
 from mien.inspection.coverage_picture import draw_coverage
 from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_heard, read_sequence
+from mien.inspection.expression_picture import draw_expression_space
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
 from mien.inspection.summary import heard_phones
+from mien.models.authored_performance import authored_space
 from mien.models.performer_file import LearnedSpeech
 from mien.speech.utterance import PAUSE
 
@@ -55,8 +57,14 @@ def pictures_of(
         ("fitting-cost.png", partial(draw_fitting_cost, learned)),
         ("coverage.png", partial(draw_coverage, learned.motion.coverage_)),
         ("influence.png", partial(draw_influence, learned.motion, word)),
+        (("expressions.png" if learned.expressions else "expressions-authored.png"), partial(_draw_space, learned)),
     ]
     return pictures + _sheets(learned, face)
+
+
+def _draw_space(learned: LearnedSpeech) -> Image.Image:
+    """The performer's own expression space, or else the authored one that it uses."""
+    return draw_expression_space(learned.expressions.space if learned.expressions else authored_space())
 
 
 def _sheets(learned: LearnedSpeech, face: Face | None) -> list[Picture]:

@@ -116,7 +116,11 @@ def _heard(learned: LearnedSpeech) -> list[str]:
 
 def _spaces(learned: LearnedSpeech) -> list[str]:
     spaces = {"performing mouth": learned.motion.space_, "paper's curves": learned.coarticulation.space_}
-    return ["pose space"] + [_row(f"  {name}", _space(space)) for name, space in spaces.items()]
+    rows = ["pose space"] + [_row(f"  {name}", _space(space)) for name, space in spaces.items()]
+    if learned.expressions is None:
+        return [*rows, _row("expressions", "none recorded: the authored ones are used")]
+    seconds = ", ".join(f"{name} {length:.1f} s" for name, length in learned.expressions.seconds.items())
+    return [*rows, _row("expressions", seconds), _row("  expression space", _space(learned.expressions.space.space_))]
 
 
 def _space(space: EMPCA) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mien.corpus.corpus import Corpus, identity_of
 from mien.corpus.take import Take
@@ -15,6 +15,7 @@ from mien.models.anime_graph.weight_learning import TRIALS
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.curves import fitting_cost
 from mien.models.performer_file import SPEECH_MODELS, LearnedSpeech
+from mien.models.recorded_expression import learn_expressions
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
 __all__ = ["LearningSettings", "Progress", "learn", "learn_corpus"]
@@ -115,7 +116,7 @@ def learn_corpus(
     exclude_words: Collection[str] = (),
     exclude_names: Collection[str] = (),
 ) -> LearnedSpeech:
-    """Learn from the neutral takes of a corpus.
+    """Learn speech from the neutral takes of a corpus, and expressions from those that have an emotion.
 
     Parameters
     ----------
@@ -141,7 +142,12 @@ def learn_corpus(
     if not takes:
         raise InputError(f"{corpus.folder}: no neutral take is left to learn from; leave out less")
     about = {key: str(value) for key, value in corpus.about.items() if key in ("licence", "citation")}
-    return learn(takes, settings, progress, name=name, about=about)
+    felt = [corpus.take(take) for take in corpus.names if take not in exclude_names and not _is_neutral(corpus, take)]
+    felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
+    expressions = learn_expressions([*takes, *felt]) if felt else None  # first: it is quick, and may refuse
+    learned = learn(takes, settings, progress, name=name, about=about)
+    known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
+    return replace(learned, expressions=expressions, trained_on=known)
 
 
 def _is_neutral(corpus: Corpus, take: str) -> bool:

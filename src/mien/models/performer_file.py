@@ -8,6 +8,7 @@ A zip archive of one ``performer.json`` and arrays as ``.npy`` (``numpy.load`` o
     paper/...         `Coarticulation`: pose space, key shapes, curves of diphones and triphones, cost by degree
     graph/...         from version 2, if it was learned: the Anime Graph and the residuals of its nodes (`graph_file`),
                       read when they are first used
+    expression/...    if it was learned: the expression space and its curves (`expression_file`)
 
 Saving the same performer twice gives the same bytes; loading gives the same motion, bit for bit.
 """
@@ -45,6 +46,12 @@ from mien.models.correction import Correction, CorrectionSettings
 from mien.models.coverage import Coverage
 from mien.models.curves import Curves
 from mien.models.em_pca import EMPCA
+from mien.models.expression_file import (
+    RecordedExpressions,
+    expression_arrays,
+    expression_content,
+    expressions_from,
+)
 from mien.models.influence import InfluenceCurves, InfluenceSettings
 from mien.models.lip_closure import LipClosure, find_lips
 from mien.models.speech_model import SpeechModel
@@ -84,6 +91,8 @@ class LearnedSpeech:
         Recorded motion: what the speech models ``graph`` and ``both`` need.
     speech_model : str
         The model that performs if none is asked for.
+    expressions : RecordedExpressions or None
+        Expressions learned from expressive takes with neutral twins.
     """
 
     name: str
@@ -94,6 +103,7 @@ class LearnedSpeech:
     about: Mapping[str, str] = field(default_factory=dict)
     recorded: RecordedSpeech | None = None
     speech_model: str = "coarticulation"
+    expressions: RecordedExpressions | None = None
 
     @property
     def speech_models(self) -> tuple[str, ...]:
@@ -160,6 +170,9 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
     if learned.recorded is not None:
         content["graph"] = graph_content(learned.recorded)
         arrays |= graph_arrays(learned.recorded)
+    if learned.expressions is not None:
+        content["expression"] = expression_content(learned.expressions)
+        arrays |= expression_arrays(learned.expressions)
     with replace_when_complete(path) as unfinished, zipfile.ZipFile(unfinished, "w") as archive:
         _write(archive, "performer.json", json.dumps(content, indent=1, ensure_ascii=False).encode())
         for name, array in arrays.items():
@@ -243,6 +256,7 @@ def load_learned(path: str | Path) -> LearnedSpeech:
             content["about"],
             _recorded_from(path, written, content, motion) if "graph" in content else None,
             content.get("speech_model", "coarticulation"),
+            expressions_from(content["expression"], arrays) if "expression" in content else None,
         )
     except FileNotFoundError as problem:
         raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien") from problem

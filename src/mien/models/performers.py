@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from mien.errors import InputError, unknown_name
+from mien.models.authored_idle import AuthoredIdle
 from mien.models.performer import Performer
 from mien.models.performer_file import LearnedSpeech, load_learned
 
@@ -54,7 +55,8 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
 def load_performer(name: str | Path = "default", speech_model: str | None = None) -> Performer:
     """A performer ready to speak, by name or from a ``.mien`` file.
 
-    A learned performer brings its own mouth; expression and signs of life are authored.
+    A learned performer brings its own mouth, and its own expressions where they were recorded; the other expressions
+    and the signs of life are authored.
 
     Parameters
     ----------
@@ -79,7 +81,8 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
     if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
         raise unknown_name("performer", str(name), known_performers())
     from mien.models.learned_mouth import LearnedMouth
+    from mien.models.recorded_expression import expression_of
 
     learned = load_learned_performer(name)
-    authored = Performer.authored()
-    return Performer(learned.name, LearnedMouth(learned, speech_model=speech_model), authored.expression, authored.idle)
+    mouth = LearnedMouth(learned, speech_model=speech_model)
+    return Performer(learned.name, mouth, expression_of(learned.expressions), AuthoredIdle())

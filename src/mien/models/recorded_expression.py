@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,34 +17,16 @@ from mien.face.library import load_face
 from mien.face.retargeting import Retargeter
 from mien.models.authored_performance import authored_expression, without_eyelids
 from mien.models.expression import Expression
+from mien.models.expression_file import RecordedExpressions, rounded
 from mien.models.expression_motion import Twins, expressive_displacement, find_twins
 from mien.models.expression_space import RATE, ExpressionSpace, ExpressiveMotion
 from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
 
-__all__ = ["RecordedExpressions", "expression_of", "learn_expressions"]
+__all__ = ["expression_of", "learn_expressions"]
 
 Floats = NDArray[np.float64]
 LEAST_SECONDS = 1.0
 """Seconds of expressive motion that an emotion needs; of less it is not learned."""
-
-
-@dataclass(frozen=True, eq=False)
-class RecordedExpressions:
-    """What was learned of a person's expressions.
-
-    Attributes
-    ----------
-    space : ExpressionSpace
-        Carries `mien.channels.ALL`: what the default face does where the speaker's markers move so.
-    seconds : dict of str to float
-        Of expressive motion, by emotion.
-    notes : tuple of Note
-        Which takes were left out, and why.
-    """
-
-    space: ExpressionSpace
-    seconds: dict[str, float]
-    notes: tuple[Note, ...] = ()
 
 
 def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> RecordedExpressions | None:
@@ -79,8 +60,7 @@ def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> Record
         return None
     to_channels = _ChannelsOfMarkers(twins[0], face or load_face("default"))
     space = ExpressionSpace().fit({name: [to_channels.stretch(rows) for rows in found] for name, found in kept.items()})
-    seconds = {name: sum(map(len, found)) / RATE for name, found in kept.items()}
-    return RecordedExpressions(space, seconds, tuple(Note("warning", f"left out: {fault}") for fault in faults))
+    return RecordedExpressions(rounded(space), tuple(Note("warning", f"left out: {fault}") for fault in faults))
 
 
 class _ChannelsOfMarkers:
