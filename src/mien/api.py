@@ -108,6 +108,7 @@ def animate(
     *,
     text: str | Path | Script | None = None,
     language: str | Path | None = None,
+    song: bool = False,
     emotion: Emotions = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
@@ -127,6 +128,9 @@ def animate(
         approximate.
     language : str, Path or None
         What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
+    song : bool
+        Whether it is a song and the text its lyrics: aligned with held notes and a band behind the voice, and sung by
+        the face (``docs/song.md``).
     emotion, fps, seed, performer, speech_model, prosody, commands
         As for `say`.
 
@@ -142,11 +146,11 @@ def animate(
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     library = _library(commands)
     if text is None:
-        return perform(_heard(audio, None, language), score, performer, rate, seed)
+        return perform(_heard(audio, None, language, song), score, performer, rate, seed)
     script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
     spoken = translate(
-        speak_over(script, lambda words, spoken: _heard(audio, words, spoken), library, language), library
+        speak_over(script, lambda words, spoken: _heard(audio, words, spoken, song), library, language), library
     )
     return perform_spoken(spoken, performer, rate, seed, score)
 
@@ -205,17 +209,20 @@ def _moved(motion: str | Path | Animation, fps: Rate | None) -> Animation:
     raise InputError(f"expected a native animation (.json) or a Live Link Face recording (.csv), got {motion}")
 
 
-def align(audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None) -> Utterance:
+def align(
+    audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None, song: bool = False
+) -> Utterance:
     """Find when each word and phone of a text is said in a sound (forced alignment).
 
     ``language`` is a tag such as ``"fi"`` or a phone map in a file (``docs/languages.md``); None: English.
+    ``song``: the sound is a song and the text its lyrics (``docs/song.md``).
 
     Raises
     ------
     InputError
         If sound or text cannot be read, or cannot be brought together.
     """
-    return _heard(audio, text, language)
+    return _heard(audio, text, language, song)
 
 
 def save(
@@ -365,13 +372,17 @@ def _spans(asked: str | EmotionSpan) -> tuple[EmotionSpan, ...]:
     return (EmotionSpan.parse(asked),)
 
 
-def _heard(audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None) -> Utterance:
+def _heard(
+    audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None, song: bool = False
+) -> Utterance:
     """Words and phones of a sound, with the notes on reading it."""
     said = read_text(text) if text is not None else None
     if said is not None and not said.strip():
         raise InputError(
             "expected a text that says what is spoken, got an empty one; leave it out to have it recognised"
         )
+    if song and said is None:
+        raise InputError("a song needs its lyrics: give them with --text (words are not recognised in songs)")
     notes: tuple[Note, ...] = ()
     if not isinstance(audio, Audio):
         if not isinstance(audio, (str, Path)):
@@ -382,6 +393,11 @@ def _heard(audio: str | Path | Audio, text: str | Path | None, language: str | P
         from mien.speech.recognise import recognise
 
         utterance = recognise(audio, language=str(language or ENGLISH))
+    elif song:
+        from mien.speech.languages.language import ENGLISH
+        from mien.speech.song import align_song
+
+        utterance = align_song(audio, said, language=language or ENGLISH)
     else:
         from mien.speech.align import align as force_align
         from mien.speech.languages.language import ENGLISH

@@ -1,6 +1,6 @@
 """THE pipeline: Utterance + Score + Performer -> Animation. Pure steps; read this first.
 
-mouth       what the phones ask of the mouth, and when the lips must stay shut
+mouth       what the phones ask of the mouth, and when the lips must stay shut; a song opens it further
 expression  what the emotions ask of the whole face
 idle        blinks, glances, a moving head
 prosody     brows and nods on the accents and phrase ends of the voice
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from mien import channels
 from mien.animation import Animation, Provenance
 from mien.models.authored_mouth import AuthoredMouth
+from mien.models.authored_singing import sing
 from mien.models.performer import Performer
 from mien.script.curves import ParameterCurve, lay_over
 from mien.script.score import Score
@@ -54,6 +55,8 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     """
     for_expression, for_idle, for_prosody = np.random.default_rng(seed).spawn(3)
     mouth = performer.mouth.perform(utterance, rate)
+    if utterance.sung:
+        mouth = sing(mouth, utterance, rate)
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
     idle = performer.idle.perform(utterance, rate, for_idle)
     prosody = performer.prosody.perform(utterance, rate, for_prosody)

@@ -96,6 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     animate.add_argument("--text", metavar="FILE_OR_TEXT", help="what is said; without it phones are recognised")
     animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
+    animate.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics (docs/song.md)")
     animate.add_argument("--voice", help=argparse.SUPPRESS)
     _add_performance_options(animate)
     animate.set_defaults(run=_animate)
@@ -104,6 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
     align.add_argument("-o", "--output", metavar="X.TextGrid", required=True, help="the file to write")
+    align.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics")
     _add_language_option(align)
     align.add_argument("--quiet", action="store_true", help="say nothing but errors")
     align.set_defaults(run=_align)
@@ -196,7 +198,7 @@ def _animate(options: argparse.Namespace) -> int:
     if options.text is not None and options.script is not None:
         raise InputError("--text and --script both say what is spoken: give one of them")
     text = Path(options.script) if options.script is not None else options.text
-    animation = api.animate(options.audio, text=text, **_asked(options))
+    animation = api.animate(options.audio, text=text, song=options.song, **_asked(options))
     return _finish(animation, face, options)
 
 
@@ -267,7 +269,7 @@ def _align(options: argparse.Namespace) -> int:
         raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
     path = check_output(options.output)
     _refuse_same_file([path], [options.audio, options.text])
-    utterance = api.align(options.audio, options.text, language=options.language)
+    utterance = api.align(options.audio, options.text, language=options.language, song=options.song)
     write_textgrid((utterance.words, utterance.spelled_phones), utterance.duration, path)
     _tell(utterance.notes, options.quiet)
     if not options.quiet:
