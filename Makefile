@@ -2,6 +2,7 @@
 # make test   all tests (sets up what they need)
 # make check  format, lint, types, import contract
 # make sheets the pictures in docs/
+# make setup-festival   Festival with its English and Finnish voices, a separate program (Debian, Ubuntu; needs root)
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -10,7 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
-.PHONY: demo test check format wheel sheets clean
+.PHONY: setup-festival demo test check format wheel sheets clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -52,6 +53,12 @@ format: $(VENV)/.dev
 wheel: $(VENV)/.dev
 	$(PIP) wheel --quiet --no-deps --wheel-dir dist .
 	@ls -l dist
+
+FESTIVAL := festival festvox-suopuhe-lj festvox-suopuhe-mv festvox-us-slt-hts festvox-kallpc16k
+
+setup-festival:
+	apt-get update -qq
+	DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(FESTIVAL)
 
 sheets: $(VENV)/.dev
 	$(BIN)/python tools/render_sheets.py --out docs/pictures

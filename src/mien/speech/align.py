@@ -85,7 +85,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     AlignmentError
         If no alignment was found.
     """
-    from mien.speech.plausibility import doubts
+    from mien.speech.plausibility import LOWEST_RUN_SCORE, LOWEST_RUN_SCORE_THROUGH_A_MAP, doubts
 
     other = find_language(language)
     if audio.duration < _SHORTEST_SOUND:
@@ -97,7 +97,9 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     words = [word.text for word in spoken.words]
     phones = align_words(audio, words, [choices_of(word, other) for word in spoken.words])
     word_tier, phone_tier = tiers(phones, words, audio.duration)
-    notes = spoken.notes + doubts(audio, spoken, phones)
+    notes = spoken.notes + doubts(
+        audio, spoken, phones, LOWEST_RUN_SCORE if other is None else LOWEST_RUN_SCORE_THROUGH_A_MAP
+    )
     if other is None:
         notes += note_on_language(text)
         return Utterance(text, audio, word_tier, phone_tier, tag, "aligned", notes)

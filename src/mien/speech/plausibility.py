@@ -30,6 +30,8 @@ RUN = 9
 """Phones whose scores are averaged."""
 LOWEST_RUN_SCORE = -52.0
 """A run that scores lower on average does not fit."""
+LOWEST_RUN_SCORE_THROUGH_A_MAP = -64.0
+"""The same for a language whose phones the English model hears through a phone map (docs/languages.md)."""
 LOWEST_PHONE_SCORE = -150.0
 """Scores are clipped here, so that one odd phone does not condemn its run."""
 QUIET_WORD = 36.0
@@ -57,12 +59,14 @@ class Misfit:
     last_word: int = -1
 
 
-def doubts(audio: Audio, spoken: SpokenText, phones: Sequence[AlignedPhone]) -> tuple[Note, ...]:
+def doubts(
+    audio: Audio, spoken: SpokenText, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE
+) -> tuple[Note, ...]:
     """A warning for each stretch where the text does not seem to fit the sound."""
-    return tuple(Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones))
+    return tuple(Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones, lowest))
 
 
-def misfits(audio: Audio, phones: Sequence[AlignedPhone]) -> list[Misfit]:
+def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE) -> list[Misfit]:
     """Stretches where aligned phones and sound do not seem to fit, in order of time.
 
     Parameters
@@ -70,13 +74,19 @@ def misfits(audio: Audio, phones: Sequence[AlignedPhone]) -> list[Misfit]:
     audio : Audio
     phones : sequence of AlignedPhone
         As `mien.speech.align.align_words` gives them.
+    lowest : float
+        Mean score of a run of phones under which it does not fit.
     """
     loudness = _loudness(audio)
     spoken = [phone for phone in phones if phone.word >= 0]
     if not spoken:
         return []
     level = float(np.percentile(_parts(loudness, [(p.start, p.end) for p in spoken]), 75))
-    found = _poor_runs(spoken) + _words_on_silence(spoken, loudness, level) + _wordless_speech(phones, loudness, level)
+    found = (
+        _poor_runs(spoken, lowest)
+        + _words_on_silence(spoken, loudness, level)
+        + _wordless_speech(phones, loudness, level)
+    )
     return sorted(found, key=lambda misfit: misfit.start)
 
 
@@ -91,13 +101,13 @@ def _sentence(misfit: Misfit, spoken: SpokenText) -> str:
     return f"the text does not seem to fit the sound {stretch} ({written!r}): check the text"
 
 
-def _poor_runs(spoken: Sequence[AlignedPhone]) -> list[Misfit]:
+def _poor_runs(spoken: Sequence[AlignedPhone], lowest: float) -> list[Misfit]:
     scores = np.maximum([phone.score for phone in spoken], LOWEST_PHONE_SCORE)
     run = min(RUN, len(scores))
     sums = np.concatenate([[0.0], np.cumsum(scores)])
     means = (sums[run:] - sums[:-run]) / run
     bad = np.zeros(len(scores), dtype=bool)
-    for start in np.flatnonzero(means < LOWEST_RUN_SCORE):
+    for start in np.flatnonzero(means < lowest):
         bad[start : start + run] = True
     return [
         Misfit("poor fit", spoken[first].start, spoken[last].end, spoken[first].word, spoken[last].word)
