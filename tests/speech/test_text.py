@@ -121,3 +121,38 @@ def test_any_latin_text_is_spoken_or_refused_in_one_line(text: str) -> None:
 def test_cardinals_and_ordinals_end_alike(number: int) -> None:
     head = cardinal(number).rpartition(" ")[0]
     assert ordinal(number).rpartition(" ")[0] == head
+
+
+@pytest.mark.parametrize(
+    ("text", "spoken"),
+    [
+        ("50-60 people", "fifty to sixty people"),
+        ("a 50-60% chance", "a fifty to sixty percent chance"),
+        ("pages 3–5", "pages three to five"),
+        ("Boeing 747-400", "boeing seven hundred forty seven four hundred"),
+        ("3-2-1", "three two one"),
+        ("a 10-year-old", "a ten year old"),
+        ("1999-2001", "nineteen ninety nine to two thousand one"),
+        ("555-1234", "five five five one two three four"),
+    ],
+)
+def test_ranges_of_numbers(text: str, spoken: str) -> None:
+    assert spoken_words(text).spoken == spoken
+
+
+@pytest.mark.parametrize(
+    ("text", "phones"),
+    [
+        ("He read it.", "R EH D"),
+        ("Read it!", "R IY D"),
+        ("You should read it.", "R IY D"),
+        ("I have read.", "R EH D"),
+        ("Live music", "L AY V"),
+        ("I live here.", "L IH V"),
+        ("The wind blows.", "W IH N D"),
+        ("A lead pipe", "L EH D"),
+    ],
+)
+def test_words_written_alike(text: str, phones: str) -> None:
+    said = [word.phones for word in spoken_words(text).words if word.phones is not None]
+    assert said == [tuple(phones.split())]

@@ -12,6 +12,7 @@ import unicodedata
 from dataclasses import dataclass, replace
 
 from mien.errors import InputError, Note
+from mien.speech.heteronyms import with_heteronyms
 from mien.speech.spoken_numbers import english_table
 from mien.speech.text_patterns import READERS, TEXT_PATTERN
 
@@ -92,7 +93,7 @@ def spoken_words(text: str) -> SpokenText:
     notes: tuple[Note, ...] = ()
     if dropped:
         notes = (Note("note", f"left out of the spoken text: {' '.join(dict.fromkeys(dropped))}"),)
-    return SpokenText(text, tuple(words), notes)
+    return SpokenText(text, with_heteronyms(words), notes)
 
 
 # ---- Letters and signs -------------------------------------------------------------------------------------------

@@ -131,6 +131,12 @@ def _years(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     return _whole(match, f"{year(int(match['first_year']))} to {spoken}")
 
 
+def _range(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``50-60``: the first number and "to"; the second one, with its unit, is read next. Not ``747-400``."""
+    low, high = int(match["low"]), int(match["high"])
+    return [(match.start("low"), match.end("low"), decimal(match["low"]) + (" to" if low < high else ""))]
+
+
 def _height(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     return _whole(match, f"{cardinal(int(match['feet']))} foot {cardinal(int(match['inches']))}")
 
@@ -249,6 +255,7 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
         "ordinal": (r"(?i:(?P<place>\d[\d,]*)(?:st|nd|rd|th))\b", _ordinal),
         "decade": (r"'?(?P<tens>\d{0,3}0)'?s\b(?<=\d\ds|d's)", _decade),
         "years": (r"(?P<first_year>1[1-9]\d\d|20\d\d)[-—](?P<last_year>\d{4}|\d\d)\b", _years),
+        "range": (r"(?<![\w.-])(?P<low>\d+)[-—](?=(?P<high>\d+)(?!\d|[-—.]\d|[A-Za-z]))", _range),
         "height": (r"(?P<feet>\d)'\s?(?P<inches>\d\d?)(?:\"|'')?", _height),
         "quantity": (
             rf"(?P<minus>(?<!\w)-)?(?P<measure>{_NUMBER})\s?(?P<unit>{_any_of(list(table['units']))})(?![\w'])",
