@@ -95,7 +95,9 @@ def test_unknown_suffix():
         check_output("a.mp5")
     with pytest.raises(InputError, match=r"did you mean '.TextGrid'"):
         check_output("a.textgird")
-    with pytest.raises(InputError, match=r"end its name in one of .mp4, .png, .glb, .csv, .TextGrid, .wav, .json"):
+    with pytest.raises(
+        InputError, match=r"end its name in one of .mp4, .png, .glb, .csv, .fap, .TextGrid, .wav, .json"
+    ):
         check_output("a")
 
 

@@ -74,6 +74,12 @@ def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progre
     return write_livelink(animation, path)
 
 
+def _write_fap(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.output.fap import write_fap
+
+    return write_fap(animation, _needed(face), path)
+
+
 def _write_textgrid(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
     from mien.textgrid import write_textgrid
 
@@ -121,6 +127,13 @@ EXPORTERS: tuple[Exporter, ...] = (
         "the sound, markers, words, phones, score, tongue and muscles beyond ARKit's 52; numbers have eight decimals",
         False,
         _write_livelink,
+    ),
+    Exporter(
+        ".fap",
+        "MPEG-4 face animation parameters (text)",
+        "the sound, markers, words, phones, score; all but the feature points' motion along the standard's axes",
+        True,
+        _write_fap,
     ),
     Exporter(
         ".TextGrid", "words and phones in time (Praat)", "all motion, the sound, the score", False, _write_textgrid
