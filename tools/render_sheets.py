@@ -23,6 +23,7 @@ import mien
 from mien.channels import ALL, TONGUE, WEIGHTS
 from mien.errors import unknown_name
 from mien.face.face import Face
+from mien.face.facs import action_units, au_channels, basic_expressions, expression_channels
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.files import replace_when_complete
@@ -58,7 +59,13 @@ class Sheet:
 
 
 # Height of what is seen (mm) and the height of its middle over the eyes (mm).
-FRAMINGS = {"portrait": (330.0, -30.0), "face": (235.0, -18.0), "mouth": (95.0, -62.0), "eyes": (80.0, 3.0)}
+FRAMINGS = {
+    "close": (178.0, -22.0),
+    "portrait": (330.0, -30.0),
+    "face": (235.0, -18.0),
+    "mouth": (95.0, -62.0),
+    "eyes": (80.0, 3.0),
+}
 
 
 def _companions(name: str) -> dict[str, float]:
@@ -125,7 +132,34 @@ def _shape_shots() -> tuple[Shot, ...]:
     return tuple(_shape_shot(name) for name in WEIGHTS)
 
 
+def _both_views(caption: str, weights: Mapping[str, float]) -> tuple[Shot, Shot]:
+    return Shot(caption, weights, "close"), Shot("", weights, "close", yaw=35.0)
+
+
+def _unit_shots() -> tuple[Shot, ...]:
+    """Every action unit at full strength, from the front and at three-quarter."""
+    shots = list(_both_views("rest", {}))
+    for code, unit in action_units().items():
+        shots += _both_views(f"{code} {unit.name}", au_channels(code))
+    return tuple(shots)
+
+
+def _half_unit_shots() -> tuple[Shot, ...]:
+    return tuple(
+        Shot(f"{code}L {unit.name}", au_channels(code + "L"), "close")
+        for code, unit in action_units().items()
+        if unit.left
+    )
+
+
+def _basic_shots() -> tuple[Shot, ...]:
+    return tuple(shot for name in basic_expressions() for shot in _both_views(name, expression_channels(name)))
+
+
 SHEETS: dict[str, Sheet] = {
+    "units": Sheet(_unit_shots, columns=8, width=200, height=217),
+    "units-left": Sheet(_half_unit_shots, columns=8, width=200, height=217),
+    "basic-expressions": Sheet(_basic_shots, columns=6, width=250, height=272),
     "neutral": Sheet(lambda: (Shot(""), Shot("", yaw=38.0)), columns=2, width=560, height=640),
     "line": Sheet(_line_shots, columns=6, width=200, height=230),
     "shapes": Sheet(_shape_shots, columns=9, width=190, height=210),

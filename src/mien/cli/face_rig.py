@@ -1,4 +1,4 @@
-"""``mien face check | tree | parameters``: parameter trees and where they come from."""
+"""``mien face check | tree | parameters | articulation``: parameter trees and where they come from."""
 
 from __future__ import annotations
 
@@ -40,6 +40,53 @@ def add_commands(kinds: Any) -> None:
         help="translations per parameter: 3 shows a component exactly, 1 is the paper's (default 3)",
     )
     parameters.set_defaults(run=_parameters)
+
+    articulation = kinds.add_parser(
+        "articulation", help="learn five articulatory parameters from a corpus and put them on a face"
+    )
+    articulation.add_argument("corpus", metavar="CORPUS", help="a corpus made by 'mien corpus import'")
+    articulation.add_argument("-o", "--output", metavar="X.tree", required=True, help="the file to write")
+    articulation.add_argument("--face", default="default", metavar="NAME", help="the face (default: default)")
+    articulation.add_argument("--directions", type=int, default=3, choices=(1, 2, 3), help="as for 'parameters'")
+    articulation.add_argument("--pictures", metavar="X.png", help="draw each parameter at -2 and +2 into this file")
+    articulation.set_defaults(run=_articulation)
+
+
+def _articulation(options: argparse.Namespace) -> int:
+    from mien.corpus.corpus import Corpus
+    from mien.face.library import load_face
+    from mien.face.tree_config import write_tree
+    from mien.files import check_writable
+    from mien.models.articulatory import (
+        ArticulatoryModel,
+        articulatory_tree,
+        held_out_errors,
+        speaking_frames,
+        takes_apart,
+    )
+
+    path = check_writable(options.output)
+    face = load_face(options.face)
+    corpus = Corpus(options.corpus)
+    kept, held = takes_apart(list(corpus))
+    positions, markers, layout = speaking_frames(kept)
+    model = ArticulatoryModel().fit(positions, markers, layout)
+    told = [f"{len(kept)} takes, {len(positions)} frames of speech, {len(markers)} mouth markers ({layout})"]
+    told += model.summary().splitlines()
+    if held:
+        apart = speaking_frames(held)[0]
+        told.append(f"RMS distance on {len(held)} takes held out ({len(apart)} frames):")
+        told += [f"  {name}: {e:.2f} mm" for name, e in held_out_errors(model, apart, positions, face).items()]
+    tree = articulatory_tree(model, face, options.directions)
+    about = f"articulatory parameters of face {options.face!r} by 'mien face articulation'\n" + "\n".join(told)
+    write_tree(tree, path, about)
+    print("\n".join(told))
+    if options.pictures:
+        from mien.inspection.articulation_sheet import draw_articulation
+
+        draw_articulation(tree, face, options.pictures)
+    print(f"{options.output}: parameters: {len(tree)}")
+    return 0
 
 
 def _check(options: argparse.Namespace) -> int:

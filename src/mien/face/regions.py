@@ -17,7 +17,7 @@ All of it is linear in the displacements: one matrix (vertices x markers) does i
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Any
@@ -70,6 +70,13 @@ class MarkerSites:
     without: Mapping[str, tuple[str, ...]]
     borders: Mapping[str, float]
     reach: tuple[float, float]
+
+    def only(self, names: Collection[str]) -> MarkerSites:
+        """The same sites, without the markers that are not named."""
+        kept = [number for number, name in enumerate(self.names) if name in names]
+        place = {old: new for new, old in enumerate(kept)}
+        regions = {r: tuple(place[m] for m in members if m in place) for r, members in self.regions.items()}
+        return replace(self, names=tuple(self.names[k] for k in kept), vertices=self.vertices[kept], regions=regions)
 
 
 def _asset(name: str) -> dict[str, Any]:
