@@ -95,6 +95,8 @@ def say(
     from mien.modules.speak import speak
     from mien.modules.translate import translate
 
+    if _split_auto(emotion)[1]:
+        raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     library = _library(commands)
     script = _script(text, library)
@@ -131,7 +133,10 @@ def animate(
     song : bool
         Whether it is a song and the text its lyrics: aligned with held notes and a band behind the voice, and sung by
         the face (``docs/song.md``).
-    emotion, fps, seed, performer, speech_model, prosody, commands
+    emotion
+        As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
+        (``docs/emotion.md``), neutral where it is not sure.
+    fps, seed, performer, speech_model, prosody, commands
         As for `say`.
 
     Raises
@@ -143,14 +148,24 @@ def animate(
     from mien.modules.speak import speak_over
     from mien.modules.translate import translate
 
+    emotion, from_voice = _split_auto(emotion)
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     library = _library(commands)
+    heard: tuple[Note, ...] = ()
+    if from_voice:
+        audio, read = _sound(audio)
+        score, note = _with_voice(score, audio)
+        performer.expression.check(score)
+        heard = (*read, note)
     if text is None:
-        return perform(_heard(audio, None, language, song), score, performer, rate, seed)
+        return perform(_heard(audio, None, language, song).with_notes(*heard), score, performer, rate, seed)
     script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
     spoken = translate(
-        speak_over(script, lambda words, spoken: _heard(audio, words, spoken, song), library, language), library
+        speak_over(
+            script, lambda words, spoken: _heard(audio, words, spoken, song).with_notes(*heard), library, language
+        ),
+        library,
     )
     return perform_spoken(spoken, performer, rate, seed, score)
 
@@ -372,6 +387,36 @@ def _spans(asked: str | EmotionSpan) -> tuple[EmotionSpan, ...]:
     return (EmotionSpan.parse(asked),)
 
 
+def _split_auto(emotion: Emotions) -> tuple[Emotions, bool]:
+    """What is asked for besides ``"auto"``, and whether that is among it."""
+    asked = (emotion,) if isinstance(emotion, str) else emotion
+    if not isinstance(asked, Sequence):
+        return emotion, False
+    named = [span for span in asked if not (isinstance(span, str) and span.strip().lower() == "auto")]
+    return (named, True) if len(named) < len(asked) else (emotion, False)
+
+
+def _with_voice(score: Score, audio: Audio) -> tuple[Score, Note]:
+    """The score with the emotions that are read from the voice, and a note on what was read."""
+    from mien.models.emotion_over_time import emotion_spans
+
+    spans = emotion_spans(audio)
+    told = [
+        f"{span.name} from {span.start or 0.0:.2f} to {audio.duration if span.end is None else span.end:.2f} s"
+        for span in spans
+    ]
+    note = Note("note", "emotion read from the voice: " + (", ".join(told) or "none that is sure, so neutral"))
+    return replace(score, emotions=(*score.emotions, *spans)), note
+
+
+def _sound(audio: str | Path | Audio) -> tuple[Audio, tuple[Note, ...]]:
+    if isinstance(audio, Audio):
+        return audio, ()
+    if not isinstance(audio, (str, Path)):
+        raise InputError(f"expected a sound or the path of a sound file, got {type(audio).__name__}")
+    return read_audio(audio)
+
+
 def _heard(
     audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None, song: bool = False
 ) -> Utterance:
@@ -383,11 +428,7 @@ def _heard(
         )
     if song and said is None:
         raise InputError("a song needs its lyrics: give them with --text (words are not recognised in songs)")
-    notes: tuple[Note, ...] = ()
-    if not isinstance(audio, Audio):
-        if not isinstance(audio, (str, Path)):
-            raise InputError(f"expected a sound or the path of a sound file, got {type(audio).__name__}")
-        audio, notes = read_audio(audio)
+    audio, notes = _sound(audio)
     if said is None:
         from mien.speech.languages.language import ENGLISH
         from mien.speech.recognise import recognise

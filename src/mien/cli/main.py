@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from mien.cli import evaluate, express, inspect, learn, serve
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
+from mien.cli.emotion import add_emotion_commands
 from mien.cli.record import add_record_command
 from mien.errors import InputError, MienError, Note
 
@@ -117,6 +118,7 @@ def _parser() -> argparse.ArgumentParser:
     inspect.add_command(commands)
     face_commands.add_command(commands)
     express.add_command(commands, _checked_face, _finish)
+    add_emotion_commands(commands)
     serve.add_command(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
@@ -155,7 +157,8 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME[:0..1]",
         action="append",
         help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated: sad:0.4 or sad:0.2@0,0.9@1.5 "
-        "(value at second), sad:curve.csv, 'sad[0.5-1.2]:0.8' (from second to second); repeatable, docs/expression.md",
+        "(value at second), sad:curve.csv, 'sad[0.5-1.2]:0.8' (from second to second); repeatable, docs/expression.md; "
+        "for mien animate also auto: what the voice sounds like, docs/emotion.md",
     )
     parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"

@@ -1,9 +1,14 @@
 """How a voice sounds, apart from its words: numbers about pitch, level, rhythm and timbre of one stretch of speech.
 
 Made to mean the same on recordings of other microphones, levels and sample rates: sound is taken to 16 kHz, silence
-around the speech is cut off, the level is relative to the speech's own, and every frame that counts is one with speech.
-Names begin with their group: ``pitch``, ``level``, ``rhythm``, ``timbre`` (mean and spread of what the spectrum is like),
-``change`` (how fast the spectrum changes: a microphone's colour, which stays, is not in it) and ``modulation``.
+around the speech is cut off, and every frame that counts is one with speech. Names begin with their group: ``pitch``,
+``rhythm``, ``timbre`` (mean and spread of what the spectrum is like), ``change`` (how fast it changes: a microphone's
+colour, which stays, is not in it) and ``modulation``.
+
+What was tried and left out, because neutral speech of other corpora (grid-s1, timit-sample) lay more than 1.5 standard
+deviations off neutral speech of EmoDB: spread and range of the level, shares and lengths of voiced and unvoiced
+stretches, and four means of the spectrum. Without them as much EmoDB of unseen speakers is told (.79), and of neutral
+grid-s1 73 % is heard as neutral instead of 27 %.
 """
 
 from __future__ import annotations
@@ -26,6 +31,7 @@ _BAND_LOW, _BAND_HIGH = 80.0, 6500.0
 _SPEECH_RANGE_DB = 32.0
 _FLOOR_DB = -60.0
 _FEWEST = 8
+_OF_THE_ROOM = ("mfcc3", "centroid", "low", "air")  # whose means differ more between two studios than between moods
 _Array = NDArray[np.float64]
 
 
@@ -116,7 +122,7 @@ def _semitones(pitch: PitchContour) -> _Array:
     return np.where(stray, np.nan, semitones)
 
 
-def _spectra(samples: _Array, frames: int) -> _Array:
+def _spectra(samples: NDArray[np.floating], frames: int) -> _Array:
     """Power spectra of Hann windows centred on each frame."""
     padded = np.pad(samples.astype(np.float64), (WINDOW // 2, WINDOW))
     starts = HOP * np.arange(frames)
@@ -145,7 +151,6 @@ def voice_features(frames: SpeechFrames) -> dict[str, float]:
     heard = heard if heard.sum() >= 2 else np.ones(len(frames), dtype=bool)
     found = {
         **_pitch(frames, voiced),
-        **_level(frames),
         **_rhythm(frames, voiced),
         **_timbre(frames, heard),
     }
@@ -204,37 +209,15 @@ def _second(values: _Array, where: NDArray[np.bool_]) -> float:
     return float(np.median(bends)) if len(bends) else 0.0
 
 
-def _level(frames: SpeechFrames) -> dict[str, float]:
-    level = np.maximum(frames.level, -_SPEECH_RANGE_DB)
-    speech = level[frames.active] if frames.active.sum() >= 2 else level
-    low, quarter, three, high = np.percentile(speech, [5, 25, 75, 95])
-    steps = np.diff(level)
-    return {
-        "level.spread": speech.std(),
-        "level.low": low,
-        "level.high": high,
-        "level.quarters": three - quarter,
-        "level.speed": np.abs(steps).mean(),
-        "level.attack": steps[steps > 0].mean() if (steps > 0).any() else 0.0,
-        "level.decay": steps[steps < 0].mean() if (steps < 0).any() else 0.0,
-        "level.top": (speech > speech.max() - 10).mean(),
-    }
-
-
 def _rhythm(frames: SpeechFrames, voiced: NDArray[np.bool_]) -> dict[str, float]:
     smooth = np.convolve(np.maximum(frames.level, -_SPEECH_RANGE_DB), np.hanning(9)[1:-1] / 4, "same")
     peak = (smooth[1:-1] > smooth[:-2]) & (smooth[1:-1] >= smooth[2:]) & (smooth[1:-1] > -15)
     spoken = max(frames.active.sum() * STEP, 0.1)
     runs = _runs(voiced)
-    gaps = _runs(~voiced & frames.active)
     return {
         "rhythm.peaks": peak.sum() / spoken,
-        "rhythm.voiced": voiced.sum() / max(frames.active.sum(), 1),
-        "rhythm.confidence": frames.confidence[frames.active].mean() if frames.active.any() else 0.0,
         "rhythm.voiced_run": runs.mean() if len(runs) else 0.0,
         "rhythm.voiced_run_spread": runs.std() if len(runs) else 0.0,
-        "rhythm.unvoiced_run": gaps.mean() if len(gaps) else 0.0,
-        "rhythm.runs": len(runs) / spoken,
     }
 
 
@@ -253,7 +236,8 @@ def _timbre(frames: SpeechFrames, heard: NDArray[np.bool_]) -> dict[str, float]:
         values = row[heard]
         low, high = np.percentile(values, [10, 90])
         steps = _within_runs(row, heard)
-        found[f"timbre.{name}.mean"] = values.mean()
+        if name not in _OF_THE_ROOM:
+            found[f"timbre.{name}.mean"] = values.mean()
         found[f"timbre.{name}.spread"] = values.std()
         found[f"timbre.{name}.range"] = high - low
         found[f"change.{name}"] = np.abs(steps).mean() if len(steps) else 0.0
@@ -267,10 +251,10 @@ def _shape_of_spectrum(frames: SpeechFrames) -> dict[str, _Array]:
     hertz = np.fft.rfftfreq(WINDOW, 1 / RATE)
 
     def band(low: float, high: float) -> _Array:
-        return 10 * np.log10(power[:, (hertz >= low) & (hertz < high)].sum(axis=1))
+        return np.asarray(10 * np.log10(power[:, (hertz >= low) & (hertz < high)].sum(axis=1)))
 
     def peak(low: float, high: float) -> _Array:
-        return 10 * np.log10(power[:, (hertz >= low) & (hertz < high)].max(axis=1))
+        return np.asarray(10 * np.log10(power[:, (hertz >= low) & (hertz < high)].max(axis=1)))
 
     inside = (hertz >= _BAND_LOW) & (hertz < _BAND_HIGH)
     octave = np.log2(hertz[inside] / 1000)
