@@ -154,7 +154,7 @@ def _of_names(folder: Path, found: list[Path]) -> LabelledSounds | None:
                 for path, match in fits
             ]
             left = [path.name for path in found if path not in {p for p, _ in fits}]
-            return LabelledSounds(folder.name or name, tuple(sounds), _left_out(left, f"not named as in {name}"))
+            return LabelledSounds(_name_of(folder), tuple(sounds), _left_out(left, f"not named as in {name}"))
     return None
 
 
@@ -174,7 +174,13 @@ def _of_folders(folder: Path, found: list[Path]) -> LabelledSounds:
             f"{folder}: cannot tell the emotions: expected folders named by emotions, names of a known corpus "
             f"({', '.join(_tables()['naming'])}), or a .csv with the columns file, emotion, speaker"
         )
-    return LabelledSounds(folder.name, tuple(sounds), _left_out(left, "in no folder named by an emotion"))
+    return LabelledSounds(_name_of(folder), tuple(sounds), _left_out(left, "in no folder named by an emotion"))
+
+
+def _name_of(folder: Path) -> str:
+    """A folder's name; its parent's where it is only called "audio"."""
+    path = folder.resolve()
+    return path.parent.name if path.name.lower() in ("audio", "wav", "sounds") else path.name
 
 
 def _left_out(names: list[str], why: str) -> tuple[Note, ...]:

@@ -178,12 +178,15 @@ class EmotionClassifier:
         if heard:
             seen = [analysed[i] if self.features == VOICE else sounds[i] for i in heard]
             features = np.array([features_of(one, self.features) for one in seen])
-            share = len(heard) / (len(heard) + FEW_TOGETHER)
-            features = features + share * (self.machine_.centre_ - features.mean(axis=0))
-            probabilities, activation = self._judge(features)
+            probabilities, activation = self._judge(self.beside_one_another(features))
             for row, i in enumerate(heard):
                 readings[i] = self._reading(probabilities[row : row + 1], activation[row : row + 1], spoken[i])
         return readings
+
+    def beside_one_another(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Features of several sounds, shape (sounds, features), their mean moved towards that of what was learned."""
+        share = len(features) / (len(features) + FEW_TOGETHER)
+        return np.asarray(features + share * (self.machine_.centre_ - features.mean(axis=0)))
 
     def _unheard(self, spoken: float) -> EmotionReading:
         """Where there is no speech to speak of: surely nothing but neutral."""

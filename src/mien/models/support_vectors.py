@@ -72,11 +72,11 @@ class SupportVectors:
         names, group_names = np.asarray(labels), np.asarray(groups)
         if len(set(labels)) < 2:
             raise InputError(f"expected at least two kinds to tell apart, got {sorted(set(labels))}")
-        self._fit_vectors(features, names)
+        self.fit_vectors(features, names)
         decisions = np.full((len(names), len(self.offsets_)), np.nan)
         for known, held_out in held_out_folds(names, group_names):
             part = SupportVectors(self.kernel, self.cost, self.scaling, self.balanced)
-            part._fit_vectors(features[known], names[known])
+            part.fit_vectors(features[known], names[known])
             if part.classes_ == self.classes_:
                 decisions[held_out] = part.decisions(features[held_out])
         index = np.searchsorted(self.classes_, names)
@@ -86,7 +86,8 @@ class SupportVectors:
         self.held_out_probabilities_ = self._coupled(np.nan_to_num(decisions))
         return self
 
-    def _fit_vectors(self, features: _Array, names: NDArray[np.str_]) -> None:
+    def fit_vectors(self, features: _Array, names: NDArray[np.str_]) -> Self:
+        """Find the support vectors only: enough for `votes` and `decisions`, not for `probabilities`."""
         from sklearn.svm import SVC
 
         self.classes_ = tuple(str(name) for name in np.unique(names))
@@ -107,6 +108,7 @@ class SupportVectors:
         # Of two classes scikit-learn turns the sign around; here a positive value speaks for the first of a pair.
         sign = -1.0 if len(self.classes_) == 2 else 1.0
         self.weights_, self.offsets_ = sign * self.weights_, sign * np.asarray(machine.intercept_, dtype=np.float64)
+        return self
 
     def _pairs(self) -> list[tuple[int, int]]:
         return list(combinations(range(len(self.classes_)), 2))

@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.models.emotion_mapping import (
+    EmotionMapping,
+    PaperMap,
+    leave_one_sentence_out,
+    meeting_frames,
+    split_components,
+)
+
+Floats = NDArray[np.float64]
+MARKERS = 12
+
+
+def smooth(frames: int, columns: int, random: np.random.Generator, width: int) -> Floats:
+    noise = random.laplace(size=(frames + 6 * width, columns))
+    kernel = np.exp(-0.5 * (np.arange(-3 * width, 3 * width + 1) / width) ** 2)
+    rows = np.stack([np.convolve(noise[:, c], kernel, "valid")[:frames] for c in range(columns)], axis=1)
+    return np.asarray(rows / rows.std(axis=0))
+
+
+def two_factors(sentences: int, seed: int = 0) -> tuple[list[tuple[Floats, Floats]], Floats, Floats]:
+    """Speech (3 sources) and emotion (2 sources) move markers; in the other emotion the latter are 0.9 times as big and
+    shifted, and the sentence is said at another pace."""
+    random = np.random.default_rng(seed)
+    basis = np.linalg.qr(random.normal(size=(3 * MARKERS, 5)))[0].T * np.array([12, 9, 7, 6, 5])[:, None]
+    offset = np.array([2.5, -2.0])
+    pairs = []
+    for _ in range(sentences):
+        frames = int(random.integers(70, 100))
+        speech, mood = smooth(frames, 3, random, 3), smooth(frames, 2, random, 4)
+        pace = np.clip(np.linspace(0, frames - 1, frames) + 4 * np.sin(np.linspace(0, np.pi, frames)), 0, frames - 1)
+        warped = [
+            np.stack([np.interp(pace, np.arange(frames), part[:, c]) for c in range(part.shape[1])], axis=1)
+            for part in (speech, mood)
+        ]
+        made = [
+            np.concatenate([speech, mood], axis=1) @ basis,
+            np.concatenate([warped[0], 0.9 * warped[1] + offset], axis=1) @ basis,
+        ]
+        noisy = [m + random.normal(0, 0.1, m.shape) for m in made]
+        pairs.append((noisy[0].reshape(-1, MARKERS, 3), noisy[1].reshape(-1, MARKERS, 3)))
+    return pairs, basis, offset
+
+
+def test_the_known_split_is_recovered() -> None:
+    pairs, basis, _ = two_factors(6)
+    learned = EmotionMapping().fit(pairs)
+    emotion = np.array(learned.split_.is_emotion)
+    directions = (learned.code_.mixing_ @ learned.code_.axes_)[emotion]
+    true = basis[3:]
+    # What the emotion components move lies in what emotion truly moves.
+    inside = directions @ np.linalg.pinv(true) @ true
+    assert 1 <= emotion.sum() <= 3
+    assert np.linalg.norm(inside) / np.linalg.norm(directions) > 0.9
+    assert "emotion" in str(learned.split_)
+
+
+def test_the_known_change_is_recovered() -> None:
+    pairs, basis, offset = two_factors(6)
+    learned = EmotionMapping().fit(pairs[:-1])
+    source = pairs[-1][0]
+    change = (learned.apply(source) - source).reshape(len(source), -1).mean(axis=0)
+    true = offset @ basis[3:]
+    assert change @ true / np.linalg.norm(change) / np.linalg.norm(true) > 0.95
+    assert np.linalg.norm(change) == pytest.approx(np.linalg.norm(true), rel=0.2)
+
+
+def test_left_out_sentences_rank_as_they_should() -> None:
+    scores = leave_one_sentence_out(two_factors(4)[0])
+    assert scores["no change"].share == 0
+    assert scores["mien"].rms <= 1.02 * scores["mean offset"].rms < scores["no change"].rms
+    assert scores["mien"].share > 0.7
+    assert 0.8 <= scores["mien"].liveliness <= 1.2
+
+
+@pytest.mark.parametrize("kernel", ["exponential", "gaussian"])
+def test_the_papers_map_hits_its_centres_and_little_else(kernel: str) -> None:
+    random = np.random.default_rng(0)
+    source = random.normal(size=(400, 3))
+    target = source + np.array([1.0, 0.0, -1.0])
+    learned = PaperMap("exponential" if kernel == "exponential" else "gaussian").fit(
+        source, target, np.zeros(400, dtype=np.int64)
+    )
+    at_centres = learned.apply(learned.centres_) - learned.centres_
+    assert np.allclose(at_centres, [1.0, 0.0, -1.0], atol=1e-6)
+    fresh = random.normal(size=(200, 3))
+    assert np.abs((learned.apply(fresh) - fresh)[:, [0, 2]]).mean() < 0.95
+
+
+def test_dtw_finds_the_pace() -> None:
+    random = np.random.default_rng(3)
+    a = smooth(100, 3, random, 4)
+    places = np.linspace(0, 1, 130) ** 1.2 * 99
+    b = np.stack([np.interp(places, np.arange(100), a[:, c]) for c in range(3)], axis=1)
+    path = meeting_frames(a, b)
+    assert np.abs(path[:, 0] - places[path[:, 1]]).mean() < 1.5
+
+
+def test_a_split_has_both_parts() -> None:
+    random = np.random.default_rng(0)
+    same = [(random.normal(size=(50, 3)), random.normal(size=(50, 3))) for _ in range(4)]
+    assert 0 < sum(split_components(same).is_emotion) < 3
+    all_move = [(a, a + 5) for a, _ in same]
+    assert 0 < sum(split_components(all_move).is_emotion) < 3
+
+
+def test_slips_are_refused() -> None:
+    good = np.zeros((5, 2, 3))
+    with pytest.raises(InputError, match="there is none"):
+        EmotionMapping().fit([])
+    with pytest.raises(InputError, match="sentence 0: expected"):
+        EmotionMapping().fit([(good, np.zeros((5, 4, 3)))])
+    with pytest.raises(InputError, match="missing"):
+        EmotionMapping().fit([(good, np.full((5, 2, 3), np.nan))])
+    with pytest.raises(InputError, match="at least two"):
+        leave_one_sentence_out([(good, good)])
