@@ -156,7 +156,7 @@ class SteadyMap:
         return float(np.concatenate(errors).mean()), float(speed)
 
     def _learn(self, source: Floats, target: Floats, penalty: float, width: float) -> Self:
-        self.from_, self.to_ = source.mean(axis=0), target.mean(axis=0)
+        self.from_, self.to_ = np.asarray(source.mean(axis=0)), np.asarray(target.mean(axis=0))
         centred, wanted = source - self.from_, target - self.to_
         identity = np.eye(source.shape[1])
         # Ridge towards the identity: min |X G - Y|² + penalty·n |G - I|²
@@ -165,13 +165,13 @@ class SteadyMap:
         cross = centred.T @ wanted / len(source)
         self.gain_ = np.linalg.solve(gram + scale * identity, cross + scale * identity)
         self.width = width * float(np.sqrt((centred**2).sum(axis=1).mean()))
-        self.centres_ = np.zeros((0, source.shape[1]))
-        self.weights_ = np.zeros((0, source.shape[1]))
+        self.centres_: Floats = np.zeros((0, source.shape[1]))
+        self.weights_: Floats = np.zeros((0, source.shape[1]))
         if width:
             left = wanted - centred @ self.gain_
             self.centres_, goals = _clustered(centred, left, min(_FEW_CENTRES, max(2, len(source) // 20)), self.seed)
             phi = self._phi(self.centres_)
-            self.weights_ = np.linalg.solve(phi + np.eye(len(phi)), goals)
+            self.weights_ = np.asarray(np.linalg.solve(phi + np.eye(len(phi)), goals), dtype=np.float64)
         return self
 
     def _phi(self, centred: Floats) -> Floats:
