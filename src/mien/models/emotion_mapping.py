@@ -12,18 +12,29 @@ they help; all of it is chosen on sentences held out, among maps that keep the m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.corpus.corpus import Corpus
+from mien.corpus.take import Take
+from mien.errors import InputError, Note
 from mien.models.anime_graph.audio_distance import warping_path
 from mien.models.anime_graph.motion_code import MotionCode
 
-__all__ = ["ComponentSplit", "EmotionMapping", "MappingScore", "PaperMap", "SteadyMap", "leave_one_sentence_out"]
+__all__ = [
+    "ComponentSplit",
+    "EmotionMapping",
+    "MappingScore",
+    "PaperMap",
+    "SteadyMap",
+    "corpus_pairs",
+    "leave_one_sentence_out",
+    "scores_table",
+]
 
 Floats = NDArray[np.float64]
 Pair = tuple[Floats, Floats]
@@ -360,6 +371,41 @@ def leave_one_sentence_out(pairs: Sequence[Pair], seed: int = 0) -> dict[str, Ma
         name: MappingScore(*(float(np.mean([getattr(s, k) for s in found])) for k in ("rms", "share", "liveliness")))
         for name, found in scores.items()
     }
+
+
+def scores_table(scores: Mapping[str, MappingScore]) -> str:
+    """The scores as a table in Markdown."""
+    lines = ["| map | RMS in the unit cube | share of the true change | liveliness |", "| --- | ---: | ---: | ---: |"]
+    lines += [f"| {name} | {s.rms:.4f} | {s.share:.2f} | {s.liveliness:.2f} |" for name, s in scores.items()]
+    return "\n".join(lines)
+
+
+def corpus_pairs(corpus: Corpus, source: str, target: str) -> tuple[list[Pair], tuple[Note, ...]]:
+    """Takes of a corpus that say the same sentence in two emotions.
+
+    Of several takes of a sentence in one emotion the first counts. A pair with a marker missing in some frame is left
+    out, with a note.
+
+    Raises
+    ------
+    InputError
+        If no sentence was recorded in both emotions.
+    """
+    found: dict[tuple[str, str], dict[str, Take]] = {}
+    for name in corpus.names:
+        take = corpus.take(name)
+        if take.sentence and take.emotion in (source, target):
+            found.setdefault((take.speaker, take.sentence), {}).setdefault(take.emotion, take)
+    both = [(e[source].markers, e[target].markers) for e in found.values() if source in e and target in e]
+    whole = [(a, b) for a, b in both if np.isfinite(a.positions).all() and np.isfinite(b.positions).all()]
+    if not whole:
+        raise InputError(
+            f"{corpus.folder}: no sentence was recorded both in {source!r} and in {target!r}, with all markers seen "
+            "(takes of one sentence share a value in the manifest's column 'sentence')"
+        )
+    left = len(both) - len(whole)
+    notes = (Note("warning", f"{left} sentences are left out: a marker is missing in some frame"),) if left else ()
+    return [(a.positions, b.positions) for a, b in whole], notes
 
 
 def score_mapping(learned: EmotionMapping, pair: Pair) -> MappingScore:
