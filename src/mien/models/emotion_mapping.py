@@ -257,6 +257,8 @@ class EmotionMapping:
     code_ : MotionCode
     split_ : ComponentSplit
     map_ : ComponentMap
+    met_ : tuple of ndarray
+        Emotion components of the frames that meet, and the sentence of each: what the map was learned from.
     """
 
     def __init__(self, component_map: ComponentMap | None = None, share: float = _SHARE, seed: int = 0) -> None:
@@ -279,7 +281,8 @@ class EmotionMapping:
         source = np.concatenate([a[:, emotion][path[:, 0]] for (a, _), path in zip(coded, met, strict=True)])
         target = np.concatenate([b[:, emotion][path[:, 1]] for (_, b), path in zip(coded, met, strict=True)])
         groups = np.concatenate([np.full(len(path), i) for i, path in enumerate(met)])
-        self.map_ = (self.component_map or SteadyMap(self.seed)).fit(source, target, groups)
+        self.met_ = (source, target, groups)
+        self.map_ = (self.component_map or SteadyMap(self.seed)).fit(*self.met_)
         return self
 
     def _components(self, motion: Floats) -> Floats:
@@ -364,8 +367,9 @@ def leave_one_sentence_out(pairs: Sequence[Pair], seed: int = 0) -> dict[str, Ma
     scores: dict[str, list[MappingScore]] = {name: [] for name in maps}
     for number, pair in enumerate(pairs):
         known = [other for i, other in enumerate(pairs) if i != number]
+        learned = EmotionMapping(SameMap(), seed=seed).fit(known)
         for name, make in maps.items():
-            learned = EmotionMapping(make(), seed=seed).fit(known)
+            learned.map_ = make().fit(*learned.met_)
             scores[name].append(score_mapping(learned, pair))
     return {
         name: MappingScore(*(float(np.mean([getattr(s, k) for s in found])) for k in ("rms", "share", "liveliness")))
