@@ -9,9 +9,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
-import signal
 import sys
-import threading
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -22,6 +20,7 @@ from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.emotion import add_emotion_commands
 from mien.cli.record import add_record_command
+from mien.cli.stopping import put_off, stop_cleanly
 from mien.errors import InputError, MienError, Note
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that cannot show a name must not end the work
     options = _parser().parse_args(arguments)
-    _stop_cleanly()
+    stop_cleanly()
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -63,18 +62,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - what is left in it cannot be written either
         print(f"mien: error: cannot write to standard output: {problem.strerror}", file=sys.stderr)
         return 2
-
-
-def _stop_cleanly() -> None:
-    """Let a request to end (SIGTERM, SIGHUP) unwind like Ctrl-C, so that half-written files are removed."""
-
-    def stop(*_: object) -> NoReturn:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is threading.main_thread():
-        for name in ("SIGTERM", "SIGHUP"):
-            if hasattr(signal, name):
-                signal.signal(getattr(signal, name), stop)
 
 
 def _one_line(problem: BaseException) -> str:
@@ -249,9 +236,10 @@ def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> in
     _tell(animation.notes, options.quiet)
     outputs = (options.output, *options.also)
     hidden = options.quiet or not sys.stderr.isatty()
-    with tqdm(unit=" frames", desc="drawing", leave=False, disable=hidden) as bar:
+    with tqdm(unit=" frames", desc="drawing", leave=False, disable=hidden) as bar, put_off() as obey:
 
         def progress(done: int, total: int) -> None:
+            obey()
             bar.total = total
             bar.update(done - bar.n)
 
