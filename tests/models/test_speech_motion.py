@@ -244,7 +244,7 @@ def test_a_corpus_is_learned_without_what_is_left_out(recorded, tmp_path):
     corpus = Corpus.create(tmp_path / "corpus", {"layout": "mediapipe-218", "licence": "CC BY 4.0"})
     for t in recorded[:10]:
         corpus.add(t)
-    corpus.add(replace(recorded[10], emotion="angry"))
+    corpus.add(replace(recorded[10], emotion="angry", sentence="said only in anger"))
     made = learn_corpus(corpus, SETTINGS, exclude_words=["WORD1"], exclude_names=["word0-0"])
     kept = [t for t in recorded[1:10] if not t.name.startswith("word1-")]
     assert sorted(made.trained_on) == sorted(corpus.identity(t.name) for t in kept)

@@ -6,7 +6,7 @@ the motion is interpolated with radial basis functions, within each region on it
     d_r(x) = sum_m c_rm phi(|x - x_m|) + b_r,       phi(r) = -sqrt(r^2 + c^2),  sum_m c_rm = 0
     d(x) = sum_r a_r(x) d_r(x),                     sum_r a_r(x) = 1
 
-Regions are the lower jaw, the upper jaw, each of the four eyelids and the upper face (``assets/markers/regions.toml``).
+Regions are the lower jaw, the upper jaw, each of the four eyelids and the upper face (``assets/regions``).
 The shares ``a_r`` follow the distance *along the skin* to the region's markers, so that they fade into each other over
 the cheeks and at the corners but not across the gap between the lips or the lids: those part freely. A region does not
 hear the markers on the other side of such a gap. Points of the skin far from all markers hold still.
@@ -79,8 +79,8 @@ class MarkerSites:
         return replace(self, names=tuple(self.names[k] for k in kept), vertices=self.vertices[kept], regions=regions)
 
 
-def _asset(name: str) -> dict[str, Any]:
-    return tomllib.loads(files("mien").joinpath("assets", "markers", name).read_text(encoding="utf-8"))
+def _asset(folder: str, name: str) -> dict[str, Any]:
+    return tomllib.loads(files("mien").joinpath("assets", folder, name).read_text(encoding="utf-8"))
 
 
 def sites_of_layout(face: Face, layout: str = "mediapipe-218", part: str = "skin") -> MarkerSites:
@@ -91,7 +91,7 @@ def sites_of_layout(face: Face, layout: str = "mediapipe-218", part: str = "skin
     InputError
         If the face has no such part, or its skin lies elsewhere than the layout's places.
     """
-    table, chart = _asset(f"{layout}.toml")["markers"], _asset("regions.toml")
+    table, chart = _asset("markers", f"{layout}.toml")["markers"], _asset("regions", "mediapipe-218.toml")
     skin = next((p for p in face.parts if p.name == part), None)
     if skin is None:
         raise InputError(f"face {face.name!r} has no part {part!r} for markers to sit on")

@@ -61,7 +61,7 @@ def tree_of_face(face: Face, literal: bool = False) -> ParameterTree:
     >>> from mien.face.library import load_face
     >>> tree = tree_of_face(load_face("default"))
     >>> [p.name for p in tree.parameters if p.skeletal][:5]
-    ['headYaw', 'trunk', 'headPitch', 'headRoll', 'jaw']
+    ['trunk', 'headYaw', 'headPitch', 'headRoll', 'jaw']
     """
     fields = _fields(face)
     skeleton, leaves = _skeleton(face), []

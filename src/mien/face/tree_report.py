@@ -21,7 +21,7 @@ def tree_report(tree: ParameterTree, face: Face) -> str:
     >>> from mien.face.tree_of_face import tree_of_face
     >>> face = load_face("default")
     >>> tree_report(tree_of_face(face), face).splitlines()[0]
-    'headYaw               rotation     skeletal       0 vertices  headYaw'
+    'trunk                 fixed        skeletal   11889 vertices  -'
     """
     children: dict[str | None, list[int]] = {}
     for number, parameter in enumerate(tree.parameters):

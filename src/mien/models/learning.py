@@ -14,6 +14,7 @@ from mien.models.anime_graph.graph_motion import GraphMotion, GraphMotionSetting
 from mien.models.anime_graph.weight_learning import TRIALS
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.curves import fitting_cost
+from mien.models.expression_motion import find_twins
 from mien.models.performer_file import SPEECH_MODELS, LearnedSpeech
 from mien.models.recorded_expression import learn_expressions
 from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
@@ -144,6 +145,7 @@ def learn_corpus(
     about = {key: str(value) for key, value in corpus.about.items() if key in ("licence", "citation")}
     felt = [corpus.take(take) for take in corpus.names if take not in exclude_names and not _is_neutral(corpus, take)]
     felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
+    felt = [pair.expressive for pair in find_twins([*takes, *felt])]
     expressions = learn_expressions([*takes, *felt]) if felt else None  # first: it is quick, and may refuse
     learned = learn(takes, settings, progress, name=name, about=about)
     known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))

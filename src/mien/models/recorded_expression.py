@@ -56,7 +56,10 @@ def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> Record
     kept = {name: found for name, found in sorted(stretches.items()) if sum(map(len, found)) >= patch}
     if not kept:
         if faults:
-            raise InputError(f"none of the {len(twins)} expressive takes with a neutral twin can be used: {faults[0]}")
+            raise InputError(
+                f"none of the {len(twins)} expressive takes with a neutral twin can be used (mend or leave them out): "
+                f"{faults[0]}"
+            )
         return None
     to_channels = _ChannelsOfMarkers(twins[0], face or load_face("default"))
     space = ExpressionSpace().fit({name: [to_channels.stretch(rows) for rows in found] for name, found in kept.items()})

@@ -96,7 +96,7 @@ def test_long_texts_are_spoken_to_the_end(voice: Voice) -> None:
 
 def test_every_voice_says_where_it_comes_from() -> None:
     for voice in catalogue():
-        assert voice.language == "en-US"
+        assert voice.language.partition("-")[0] in {"en", "fi", "de", "es"}
         for line in (voice.name, voice.engine, voice.licence, voice.lineage, voice.availability().hint):
             assert line
             assert "\n" not in line
@@ -105,7 +105,8 @@ def test_every_voice_says_where_it_comes_from() -> None:
 def test_every_engine_is_tested() -> None:
     known = {voice.name for voice in catalogue()}
     assert set(ONE_OF_EACH_ENGINE) <= known
-    assert {name.split("-")[0] for name in known} == {name.split("-")[0] for name in ONE_OF_EACH_ENGINE}
+    engines = {name.split("-")[0] for name in known}
+    assert engines == {*(name.split("-")[0] for name in ONE_OF_EACH_ENGINE), "suopuhe"}  # Finnish: test_finnish.py
 
 
 def test_kokoro_s_speakers_differ() -> None:
