@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, express, inspect, learn, serve
+from mien.cli import evaluate, express, inspect, learn, modules, serve
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.emotion import add_emotion_commands
@@ -107,6 +107,8 @@ def _parser() -> argparse.ArgumentParser:
     express.add_command(commands, _checked_face, _finish)
     add_emotion_commands(commands)
     serve.add_command(commands)
+
+    modules.add_commands(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)

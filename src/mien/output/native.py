@@ -6,12 +6,8 @@ provenance and notes. ``docs/formats.md`` describes the schema; `FORMAT` and `VE
 
 from __future__ import annotations
 
-import base64
-import binascii
-import io
 import json
 import math
-from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn, cast
@@ -21,6 +17,7 @@ from numpy.typing import NDArray
 
 from mien.animation import Animation, Provenance
 from mien.audio import Audio
+from mien.audio_text import ENCODING, decode_audio, encode_audio
 from mien.errors import InputError, Note, OutputError
 from mien.files import replace_when_complete
 from mien.script.curves import ParameterCurve
@@ -34,8 +31,6 @@ __all__ = ["FORMAT", "VERSION", "read_native", "write_native"]
 
 FORMAT = "mien-animation"
 VERSION = 1
-# Above 65535 Hz the FLAC encoder takes multiples of 10 only; other sounds get this rate in their FLAC header.
-_NOMINAL_FLAC_RATE = 48_000
 
 
 def write_native(animation: Animation, path: str | Path) -> tuple[Note, ...]:
@@ -139,20 +134,7 @@ def _plain_markers(markers: MarkerTrack) -> dict[str, Any]:
 
 
 def _plain_audio(audio: Audio) -> dict[str, Any]:
-    sound = b""
-    if len(audio):
-        import soundfile
-
-        rate = audio.rate if audio.rate <= 65_535 or audio.rate % 10 == 0 else _NOMINAL_FLAC_RATE
-        stream = io.BytesIO()
-        soundfile.write(stream, audio.samples, rate, format="FLAC", subtype="PCM_24")
-        sound = stream.getvalue()
-    return {
-        "rate": audio.rate,
-        "samples": len(audio),
-        "encoding": "base64 FLAC, 24 bit",
-        "data": base64.b64encode(sound).decode("ascii"),
-    }
+    return {"rate": audio.rate, "samples": len(audio), "encoding": ENCODING, "data": encode_audio(audio)}
 
 
 # ---------------------------------------------------------------- reading
@@ -340,24 +322,11 @@ def _notes(node: _Node) -> tuple[Note, ...]:
 
 
 def _audio(node: _Node) -> Audio:
-    rate, count = node.get("rate").whole(), node.get("samples").whole()
-    data = node.get("data")
+    rate, count, data = node.get("rate").whole(), node.get("samples").whole(), node.get("data")
     try:
-        sound = base64.b64decode(data.text(), validate=True)
-    except (binascii.Error, ValueError) as problem:
-        raise data.fault("the sound is not base64; was the file edited by hand?") from problem
-    samples: Iterable[float] = np.zeros(0, dtype=np.float32)
-    if sound:
-        import soundfile
-
-        try:
-            samples, _ = soundfile.read(io.BytesIO(sound), dtype="float32")
-        except soundfile.LibsndfileError as problem:
-            raise data.fault(f"the sound is not FLAC: {problem}") from problem
-    audio = Audio(np.asarray(samples), rate)
-    if len(audio) != count:
-        raise data.fault(f"expected {count} samples of sound, got {len(audio)}")
-    return audio
+        return decode_audio(data.text(), rate, count)
+    except InputError as problem:
+        raise data.fault(str(problem)) from problem
 
 
 def _utterance(node: _Node) -> Utterance:

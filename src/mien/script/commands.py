@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -88,7 +89,9 @@ class CommandLibrary:
 
     def __getitem__(self, name: str) -> CommandDefinition:
         if name not in self.definitions:
-            raise unknown_name("command", name, self.definitions)
+            near = get_close_matches(name, self.definitions, n=3)
+            guess = f"did you mean {' or '.join(map(repr, near))}?" if near else "docs/commands.md lists them"
+            raise InputError(f"unknown command {name!r}: {guess}")
         return self.definitions[name]
 
     @property

@@ -1,7 +1,8 @@
 """Face parameters: what a command may drive, and what each does to the channels of an animation.
 
 Every channel of `mien.channels` is a parameter under its own name; a name without a side drives both sides; the table
-``assets/performance/parameters.toml`` adds the parameters of the paper (``HeadNod``) and a few more.
+``assets/performance/parameters.toml`` adds the parameters of the paper (``HeadNod``) and a few more. Action units are
+parameters too: ``AU12``, and ``AU12L`` or ``AU12R`` for one side (`mien.face.facs`).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from importlib.resources import files
 
 from mien import channels
 from mien.errors import unknown_name
+from mien.face.facs import au_channels, is_unit
 
 __all__ = ["FaceParameter", "face_parameter", "parameter_names"]
 
@@ -83,6 +85,9 @@ def face_parameter(name: str) -> FaceParameter:
     >>> face_parameter("mouthSmile").channels
     ('mouthSmileLeft', 'mouthSmileRight')
     """
+    if name not in _table() and name.startswith("AU") and is_unit(name):
+        sides = tuple(au_channels(name).items())
+        return FaceParameter(name, sides, tuple((channel, -weight) for channel, weight in sides))
     if name not in _table():
         raise unknown_name("face parameter", name, _table())
     return _table()[name]

@@ -6,6 +6,7 @@ of the library is an element. What cannot be done is a note on the result.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -17,8 +18,9 @@ from mien.script.document import Script
 from mien.script.elements import ELEMENTS
 from mien.script.tags import ROOTS, Event, is_document, read_document, read_tagged_text
 
-__all__ = ["SUFFIXES", "read_script", "read_script_file"]
+__all__ = ["SUFFIXES", "read_script", "read_script_file", "script_text"]
 
+_NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff\ud800-\udfff]")
 SUFFIXES = (".txt", ".xml", ".ssml", ".bml")
 
 
@@ -45,6 +47,7 @@ def read_script(text: str, library: CommandLibrary | None = None, source: str = 
     ('That is  true.', '_1')
     """
     library = library or shipped_library()
+    text = _NOT_IN_XML.sub(" ", text)
     if not is_document(text):
         return _built(read_tagged_text(text, {*ELEMENTS, *library.names}, source), library, source, collapse=False)
     events = tuple(read_document(text, source))
@@ -66,13 +69,24 @@ def read_script_file(path: str | Path, library: CommandLibrary | None = None) ->
     InputError
         As `read_script`, and if the file cannot be read.
     """
+    return read_script(script_text(path), library, str(path))
+
+
+def script_text(path: str | Path) -> str:
+    """The text of a script file.
+
+    Raises
+    ------
+    InputError
+        If it has another suffix, is missing, or is not UTF-8.
+    """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: a script is a file {', '.join(SUFFIXES)}, not {path.suffix or 'without a suffix'}")
     if not path.is_file():
         raise InputError(f"{path}: no such script")
     try:
-        return read_script(path.read_text(encoding="utf-8-sig"), library, str(path))
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as problem:
         raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
     except OSError as problem:

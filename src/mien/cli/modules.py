@@ -1,0 +1,177 @@
+"""``mien interpret | mien speak | mien translate | mien perform``: the four modules as programs (docs/modules.md)."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mien.animation import Animation
+    from mien.modules.transport import Sink, Source
+    from mien.script.commands import CommandLibrary
+
+__all__ = ["add_commands"]
+
+Handler = "Callable[[Message, int], Outcome]"
+
+
+def add_commands(commands: Any) -> None:
+    """Add the four commands."""
+    interpret = commands.add_parser("interpret", help="module 1: text with tags in, speech and commands at places out")
+    interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
+    interpret.add_argument("--emotion", metavar="NAME[:0..1]", help="an emotion for the whole")
+    _add_streams(interpret, _interpret)
+    speak = commands.add_parser("speak", help="module 2: gives it a voice, and everything a time")
+    speak.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    speak.add_argument("--seed", type=int, default=0, help="seed of the voice (default 0)")
+    _add_streams(speak, _speak)
+    translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
+    _add_streams(translate, _translate)
+    perform = commands.add_parser("perform", help="module 4: plays it; frames as JSON lines, or a file with -o")
+    perform.add_argument("-o", "--output", metavar="OUT", help="a file instead; {id} in it is the utterance's number")
+    perform.add_argument("--fps", default="30", help="frames per second (default 30)")
+    perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
+    perform.add_argument("--face", default="default", help="the face to show (default: default)")
+    perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
+    _add_streams(perform, _perform, sends=False)
+
+
+def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int], sends: bool = True) -> None:
+    parser.add_argument("--commands", metavar="FOLDER", action="append", default=[], help="command files of your own")
+    parser.add_argument("--listen", metavar="[HOST:]PORT", help="read from whoever connects there, not standard input")
+    parser.add_argument("--stay", action="store_true", help="with --listen: go on after a sender has ended")
+    if sends:
+        parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to the module there, not standard output")
+        parser.add_argument(
+            "--patience", type=float, default=30.0, help="seconds for which the next module may be away (default 30)"
+        )
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.set_defaults(run=run)
+
+
+def _library(options: argparse.Namespace) -> CommandLibrary:
+    from mien.script.commands import CommandLibrary
+
+    return CommandLibrary.of(*options.commands)
+
+
+def _run(
+    name: str, options: argparse.Namespace, library: CommandLibrary, handle: Any, source: Source | None = None
+) -> int:
+    from mien.modules.messages import Messages
+    from mien.modules.running import Module
+    from mien.modules.transport import Listener, Sender, StandardInput, StandardOutput, parse_address
+
+    def messages() -> Messages:
+        return Messages(library.names, texts=name == "interpret")
+
+    _check_streams(options)
+    connected = getattr(options, "connect", None)
+    address = parse_address(connected) if connected is not None else None
+    if source is None and options.listen is not None:
+        source = listener = Listener(*parse_address(options.listen), messages, options.stay)
+        if not options.quiet:
+            print(f"mien {name}: listening at port {listener.port}", file=sys.stderr, flush=True)
+    elif source is None:
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(encoding="utf-8", errors="strict")
+        source = StandardInput(sys.stdin, messages())
+    sink: Sink = StandardOutput()
+    if address is not None:
+        sink = Sender(*address, patience=options.patience)
+    passes = address is None and name != "perform"
+    return Module(name, handle, source, sink, passes_refusals=passes).run()
+
+
+def _check_streams(options: argparse.Namespace) -> None:
+    from mien.errors import InputError
+
+    if options.stay and options.listen is None:
+        raise InputError("--stay is for --listen: a stream on standard input ends once")
+    if getattr(options, "patience", 1.0) < 0:
+        raise InputError(f"--patience is seconds, 0 or more, not {options.patience:g}")
+    if getattr(options, "seed", 0) < 0:
+        raise InputError(f"a seed is a whole number, 0 or more, not {options.seed}")
+
+
+def _interpret(options: argparse.Namespace) -> int:
+    from mien.errors import InputError
+    from mien.modules.handlers import Interpret
+    from mien.modules.messages import Message
+    from mien.modules.transport import Delivery
+
+    library = _library(options)
+    if options.file is None:
+        return _run("interpret", options, library, Interpret(library, emotion=options.emotion))
+    if options.listen is not None:
+        raise InputError(f"{options.file} and --listen both say where the script comes from: give one of them")
+    from mien.script.reading import read_script_file, script_text
+
+    text = script_text(options.file)
+    read_script_file(options.file, library)
+
+    class _File:
+        def deliveries(self) -> Any:
+            yield Delivery(Message(text, 1), "00000000:1", lambda *_: None)
+
+    return _run("interpret", options, library, Interpret(library, str(options.file), options.emotion), _File())
+
+
+def _speak(options: argparse.Namespace) -> int:
+    from mien.modules.handlers import Speak
+    from mien.speech.voices import get_voice
+
+    library = _library(options)
+    get_voice(options.voice)  # a voice that is not there is told before anything comes in
+    return _run("speak", options, library, Speak(library, options.voice, options.seed, _teller("speak", options)))
+
+
+def _translate(options: argparse.Namespace) -> int:
+    from mien.modules.handlers import Translate
+
+    library = _library(options)
+    return _run("translate", options, library, Translate(library, _teller("translate", options)))
+
+
+def _teller(name: str, options: argparse.Namespace) -> Any:
+    def tell(notes: Any) -> None:
+        if not options.quiet:
+            for note in notes:
+                print(f"mien {name}: {note.kind}: {note.message}", file=sys.stderr)
+
+    return tell
+
+
+def _perform(options: argparse.Namespace) -> int:
+    from mien.models.performers import load_performer
+    from mien.modules.handlers import Perform
+    from mien.script.score import Score
+    from mien.timeline import FrameRate
+
+    library = _library(options)
+    rate, performer = FrameRate.of(options.fps), load_performer(options.performer)
+    save = None if options.output is None else _saver(options)
+    return _run("perform", options, library, Perform(library, performer, rate, options.seed, Score(), save))
+
+
+def _saver(options: argparse.Namespace) -> Callable[[Animation, str], None]:
+    from mien import api
+    from mien.face.library import load_face
+    from mien.modules.handlers import output_path
+    from mien.output.registry import check_output
+
+    check_output(options.output.replace("{id}", "1"))
+    face, written = load_face(options.face), list[str]()
+
+    def save(animation: Animation, name: str) -> None:
+        path = output_path(options.output, name, first=not written)
+        _teller("perform", options)((*animation.notes, *api.save(animation, path, face=face)))
+        written.append(name)
+        if not options.quiet:
+            seconds = animation.utterance.duration
+            print(f"mien perform: {path}: {seconds:.2f} s at {animation.rate} frames/s", file=sys.stderr, flush=True)
+
+    return save
