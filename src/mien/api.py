@@ -339,6 +339,23 @@ def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:
     return CommandLibrary.of(*([commands] if isinstance(commands, (str, Path)) else commands))
 
 
+def prepared(
+    performer: Performer | str | Path = "default",
+    emotion: Emotions = None,
+    fps: Rate = DEFAULT_FPS,
+    seed: int = 0,
+    prosody: float | str = DEFAULT_STRENGTH,
+) -> tuple[Performer, Score, FrameRate]:
+    """What `say` makes of the options that concern the performance: performer, direction for the whole, frame rate.
+
+    Raises
+    ------
+    InputError
+        If an option is not understood.
+    """
+    return _prepared(performer, None, emotion, fps, seed, prosody)
+
+
 def _prepared(
     performer: Performer | str | Path,
     speech_model: str | None,

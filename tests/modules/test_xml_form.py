@@ -42,12 +42,11 @@ def test_a_script_reads_back_equal(text: str) -> None:
 
 @pytest.mark.usefixtures("toy_voice")
 @pytest.mark.parametrize("text", SCRIPTS)
-def test_what_was_spoken_reads_back_equal_to_the_bit(text: str) -> None:
+def test_what_was_spoken_reads_back_equal(text: str) -> None:
     spoken = speak(read_script(text))
     for stage in (spoken, translate(spoken)):
         again = read_spoken(element_of(one_line(spoken_element(stage, "1"))))
         assert again == stage
-        assert again.utterance.audio.samples.tobytes() == stage.utterance.audio.samples.tobytes()
 
 
 def test_every_field_travels() -> None:
@@ -56,9 +55,22 @@ def test_every_field_travels() -> None:
     from mien.script.curves import ParameterCurve
     from mien.script.document import Script, Segment
     from mien.script.score import EmotionSpan
+    from mien.speech.utterance import Utterance
 
     known = {
         Spoken: {"utterance", "emotions", "commands", "curves"},
+        Utterance: {
+            "text",
+            "audio",
+            "words",
+            "phones",
+            "language",
+            "timing",
+            "notes",
+            "native",
+            "shapes",
+            "sung",
+        },
         EmotionSpan: {"name", "intensity", "start", "end"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         Segment: {"text", "silence", "start", "voice", "spellings"},

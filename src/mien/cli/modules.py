@@ -22,10 +22,10 @@ def add_commands(commands: Any) -> None:
     """Add the four commands."""
     interpret = commands.add_parser("interpret", help="module 1: text with tags in, speech and commands at places out")
     interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
-    interpret.add_argument("--emotion", metavar="NAME[:0..1]", help="an emotion for the whole")
     _add_streams(interpret, _interpret)
     speak = commands.add_parser("speak", help="module 2: gives it a voice, and everything a time")
     speak.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    speak.add_argument("--language", metavar="TAG", help="such as fi; the voice's own by default")
     speak.add_argument("--seed", type=int, default=0, help="seed of the voice (default 0)")
     _add_streams(speak, _speak)
     translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
@@ -36,6 +36,8 @@ def add_commands(commands: Any) -> None:
     perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     perform.add_argument("--face", default="default", help="the face to show (default: default)")
     perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
+    perform.add_argument("--emotion", metavar="NAME[:0..1]", help="an emotion for every utterance as a whole")
+    perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
     _add_streams(perform, _perform, sends=False)
 
 
@@ -105,7 +107,7 @@ def _interpret(options: argparse.Namespace) -> int:
 
     library = _library(options)
     if options.file is None:
-        return _run("interpret", options, library, Interpret(library, emotion=options.emotion))
+        return _run("interpret", options, library, Interpret(library))
     if options.listen is not None:
         raise InputError(f"{options.file} and --listen both say where the script comes from: give one of them")
     from mien.script.reading import read_script_file, script_text
@@ -117,16 +119,18 @@ def _interpret(options: argparse.Namespace) -> int:
         def deliveries(self) -> Any:
             yield Delivery(Message(text, 1), "00000000:1", lambda *_: None)
 
-    return _run("interpret", options, library, Interpret(library, str(options.file), options.emotion), _File())
+    return _run("interpret", options, library, Interpret(library, str(options.file)), _File())
 
 
 def _speak(options: argparse.Namespace) -> int:
     from mien.modules.handlers import Speak
+    from mien.speech.languages import find_language
     from mien.speech.voices import get_voice
 
     library = _library(options)
-    get_voice(options.voice)  # a voice that is not there is told before anything comes in
-    return _run("speak", options, library, Speak(library, options.voice, options.seed, _teller("speak", options)))
+    get_voice(options.voice, find_language(options.language))  # what is not there is told before anything comes in
+    handle = Speak(library, options.voice, options.seed, options.language)
+    return _run("speak", options, library, handle)
 
 
 def _translate(options: argparse.Namespace) -> int:
@@ -146,15 +150,14 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
 
 
 def _perform(options: argparse.Namespace) -> int:
-    from mien.models.performers import load_performer
+    from mien import api
     from mien.modules.handlers import Perform
-    from mien.script.score import Score
-    from mien.timeline import FrameRate
 
     library = _library(options)
-    rate, performer = FrameRate.of(options.fps), load_performer(options.performer)
+    prosody = {} if options.prosody is None else {"prosody": options.prosody}
+    performer, score, rate = api.prepared(options.performer, options.emotion, options.fps, options.seed, **prosody)
     save = None if options.output is None else _saver(options)
-    return _run("perform", options, library, Perform(library, performer, rate, options.seed, Score(), save))
+    return _run("perform", options, library, Perform(library, performer, rate, options.seed, score, save))
 
 
 def _saver(options: argparse.Namespace) -> Callable[[Animation, str], None]:

@@ -29,10 +29,10 @@ from mien.modules.xml_form import (
 )
 from mien.script.commands import CommandLibrary
 from mien.script.curves import ParameterCurve
-from mien.script.document import DirectedCurve, DirectedEmotion, Script
+from mien.script.document import DirectedCurve, Script
 from mien.script.moments import Moment
 from mien.script.reading import read_script
-from mien.script.score import EmotionSpan, Score
+from mien.script.score import Score
 from mien.timeline import FrameRate
 
 __all__ = ["Interpret", "Perform", "Speak", "Translate", "frame_lines", "output_path", "silence_for"]
@@ -63,9 +63,8 @@ def _unexpected(element: Element, expected: str, library: CommandLibrary) -> Inp
 class Interpret:
     """Text with tags, or a document, to ``interpreted``; bare commands pass once they are known to be right."""
 
-    def __init__(self, library: CommandLibrary, source: str = "text", emotion: str | None = None) -> None:
+    def __init__(self, library: CommandLibrary, source: str = "text") -> None:
         self.library, self.source = library, source
-        self.emotion = None if emotion is None else EmotionSpan.parse(emotion)
 
     def __call__(self, message: Message, number: int) -> Iterator[str]:
         """Lines for one message."""
@@ -74,9 +73,6 @@ class Interpret:
             yield from _checked(bare, self.library)
             return
         script = read_script(message.text, self.library, self.source)
-        if self.emotion is not None:
-            whole = DirectedEmotion(self.emotion.name, self.emotion.intensity, None, None)
-            script = Script(**(vars(script) | {"emotions": (whole, *script.emotions)}))
         yield one_line(script_element(script, str(number)))
 
 
@@ -93,8 +89,10 @@ def _checked(element: Element, library: CommandLibrary) -> Iterator[str]:
 class Speak:
     """``interpreted`` to ``spoken``: speech, and a time for everything; bare commands pass."""
 
-    def __init__(self, library: CommandLibrary, voice: str | None, seed: int, tell: Tell) -> None:
-        self.library, self.voice, self.seed, self.tell = library, voice, seed, tell
+    def __init__(
+        self, library: CommandLibrary, voice: str | None = None, seed: int = 0, language: str | None = None
+    ) -> None:
+        self.library, self.voice, self.seed, self.language = library, voice, seed, language
 
     def __call__(self, message: Message, number: int) -> Iterator[str]:
         """Lines for one message."""
@@ -105,7 +103,7 @@ class Speak:
         element = element_of(message.text)
         if element.tag != "interpreted":
             raise _unexpected(element, "<interpreted> from 'mien interpret', or a command", self.library)
-        spoken = speak(read_script_element(element), self.voice, self.seed, self.library)
+        spoken = speak(read_script_element(element), self.voice, self.seed, self.library, self.language)
         yield one_line(spoken_element(spoken, element.get("id", str(number))))
 
 

@@ -26,6 +26,7 @@ from mien.script.document import (
     Segment,
     Spelling,
 )
+from mien.script.intensity import IntensityCurve
 from mien.script.moments import Moment, plain
 from mien.script.score import EmotionSpan
 from mien.speech.utterance import Utterance
@@ -239,11 +240,20 @@ def spoken_element(spoken: Spoken, number: str) -> Element:
     SubElement(root, "text").text = speech.text
     sound = _given(rate=speech.audio.rate, samples=len(speech.audio), encoding=ENCODING)
     SubElement(root, "sound", sound).text = encode_audio(speech.audio)
-    for kind, tier in (("words", speech.words), ("phones", speech.phones)):
+    tiers = [("words", speech.words), ("phones", speech.phones)]
+    if speech.native is not None:
+        tiers.append(("natives", speech.native))
+    if speech.sung:
+        root.set("sung", "true")
+    for kind, tier in tiers:
         group = SubElement(root, kind)
         for item in tier:
             SubElement(group, kind[:-1], _given(start=item.start, end=item.end)).text = item.label
+    for shape in speech.shapes:
+        SubElement(root, "shape").text = " ".join(shape)
     for emotion in spoken.emotions:
+        if isinstance(emotion.intensity, IntensityCurve):
+            raise InputError(f"the intensity of {emotion.name!r} is a curve: give it to 'mien perform --emotion'")
         given = _given(name=emotion.name, intensity=emotion.intensity, start=emotion.start, end=emotion.end)
         SubElement(root, "emotion", given)
     group = SubElement(root, "commands")
@@ -334,6 +344,9 @@ def read_spoken(root: Element) -> Spoken:
         _Fields(root).text("language"),
         timing,
         _read_notes(root),
+        _tier(root, "natives", "native") if root.find("natives") is not None else None,
+        tuple(tuple((item.text or "").split()) for item in root.findall("shape")),
+        root.get("sung") == "true",
     )
     commands = tuple(_spoken_command(item) for item in _group(root, "commands"))
     curves = tuple(read_curve(item) for item in _group(root, "curves"))
@@ -356,9 +369,9 @@ def _emotion(item: Element) -> EmotionSpan:
     return EmotionSpan(fields.text("name"), fields.number("intensity", 1.0), start=start, end=end)
 
 
-def _tier(root: Element, name: str) -> Tier:
+def _tier(root: Element, name: str, tier: str | None = None) -> Tier:
     group = root.find(name)
     if group is None:
         raise InputError(f"<{root.tag}> lacks <{name}>")
     items = ((_Fields(item), item.text or "") for item in group)
-    return Tier(name, tuple(Interval(f.number("start"), f.number("end"), label) for f, label in items))
+    return Tier(tier or name, tuple(Interval(f.number("start"), f.number("end"), label) for f, label in items))
