@@ -107,15 +107,16 @@ class Messages:
 
     def _complete(self) -> bool:
         first = _NAME.match(self.lines[0])
+        if self.lines[0].lstrip().startswith(("<?xml", "<!--", "<!DOCTYPE")):
+            return self._root_ended()
+        if self.texts and (first is None or first[1].rpartition(":")[2] not in ROOTS):
+            # Text with tags: a line, unless it ends inside a tag, or is a command that was left open.
+            cut = re.search(r"</?([A-Za-z_][\w.:-]*)[^<>]*$", "\n".join(self.lines))
+            return (cut is None or cut[1] not in self.commands) and not self._is_lone()
         if first is None:
-            declared = self.lines[0].lstrip().startswith(("<?xml", "<!--", "<!DOCTYPE"))
-            return not declared or self._root_ended()
-        name, last = first[1], self.lines[-1].rstrip()
-        if (
-            self.texts and name.rpartition(":")[2] not in ROOTS
-        ):  # text with tags: a line, unless a tag is cut by the line's end
-            return re.search(r"<[A-Za-z_/][^<>]*$", "\n".join(self.lines)) is None and not self._is_lone()
-        if last.endswith(f"</{name}>") or re.search(rf"</{re.escape(name)}\s*>\s*$", last):
+            return True
+        last = self.lines[-1].rstrip()
+        if re.search(rf"</{re.escape(first[1])}\s*>$", last):
             return True
         return last.endswith("/>") and "\n".join(self.lines).count("<") == 1
 
