@@ -71,7 +71,9 @@ def test_text_that_is_no_tag_is_spoken_as_it_is(text: str) -> None:
 
 
 @given(
-    st.text(st.characters(exclude_categories=["Cs"], exclude_characters="&"), max_size=30).filter(lambda t: t.strip())
+    st.text(st.characters(exclude_categories=["Cs", "Cc", "Cn"], exclude_characters="&"), max_size=30).filter(
+        lambda t: t.strip()
+    )
 )
 def test_any_text_is_read_or_refused_in_one_line(text: str) -> None:
     try:
