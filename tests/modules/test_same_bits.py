@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mien import api
+from mien.modules.handlers import Interpret, Perform, Speak, Translate
+from mien.modules.messages import Message
+from mien.output.native import write_native
+from mien.script.commands import shipped_library
+from tests.modules.speaking import toy_voice
+
+__all__ = ["toy_voice"]
+TEXT = (
+    'That is <HeadNod count="2" end="900"/> true. <pause seconds="0.5"/> <emotion name="happy" intensity="0.6">I '
+    '<emphasis>really</emphasis> mean it</emotion> <gaze target="left"/> now <WinkLeft/>'
+)
+
+
+@pytest.mark.usefixtures("toy_voice")
+@pytest.mark.parametrize("emotion", [None, "sad:0.3"])
+def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, emotion: str | None) -> None:
+    write_native(
+        api.say(TEXT, emotion=emotion, performer="authored", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
+    )
+    library = shipped_library()
+    performer, score, rate = api.prepared("authored", emotion, seed=3)
+    perform = Perform(
+        library, performer, rate, 3, score, lambda made, _: write_native(made, tmp_path / "pipe.json") and None
+    )
+    text = TEXT
+    for module in (Interpret(library), Speak(library, "kokoro-heart", 3), Translate(library, lambda notes: None)):
+        (text,) = module(Message(text, 1), 1)
+        assert "\n" not in text
+    assert not list(perform(Message(text, 1), 1))
+    assert (tmp_path / "pipe.json").read_bytes() == (tmp_path / "say.json").read_bytes()
