@@ -71,6 +71,18 @@ def test_parameters_from_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert not (tmp_path / "q.tree").exists()
 
 
+def test_articulation_is_refused_before_work_where_markers_have_no_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_obj(tmp_path / "a.obj", BOX, SIDES)
+    command = ["face", "articulation", str(tmp_path), "-o", str(tmp_path / "x.tree")]
+    assert main([*command, "--face", str(tmp_path / "a.obj")]) == 2
+    assert "no part 'skin' for markers to sit on" in capsys.readouterr().err
+    assert main(command) == 2
+    assert "expected a corpus" in capsys.readouterr().err
+    assert not (tmp_path / "x.tree").exists()
+
+
 def test_the_tree_of_a_face_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["face", "tree", "default", "-o", str(tmp_path / "d.tree")]) == 0
     assert "parameters: " in capsys.readouterr().out

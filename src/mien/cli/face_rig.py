@@ -55,6 +55,7 @@ def add_commands(kinds: Any) -> None:
 def _articulation(options: argparse.Namespace) -> int:
     from mien.corpus.corpus import Corpus
     from mien.face.library import load_face
+    from mien.face.regions import sites_of_layout
     from mien.face.tree_config import write_tree
     from mien.files import check_writable
     from mien.models.articulatory import (
@@ -67,6 +68,7 @@ def _articulation(options: argparse.Namespace) -> int:
 
     path = check_writable(options.output)
     face = load_face(options.face)
+    sites_of_layout(face)  # a face on which no markers can sit is refused before any work
     corpus = Corpus(options.corpus)
     kept, held = takes_apart(list(corpus))
     positions, markers, layout = speaking_frames(kept)

@@ -253,9 +253,11 @@ def _own_faults(parameter: Parameter, by_name: Mapping[str, Parameter]) -> list[
         faults.append(f"limits run from {parameter.limits[0]:g} down to {parameter.limits[1]:g}")
     if parameter.parent is not None:
         faults += _parent_faults(parameter, by_name)
-    for part, influence in parameter.influences.items():
-        if parameter.skeletal and (influence.weights < 0).any():
-            faults.append(f"weights on {part!r} below zero; skeletal weights are normalised and cannot be negative")
+    below = [repr(part) for part, influence in parameter.influences.items() if (influence.weights < 0).any()]
+    if parameter.skeletal and below:
+        faults.append(
+            f"weights below zero on {', '.join(below)}; skeletal weights are normalised and cannot be negative"
+        )
     return faults
 
 
