@@ -37,12 +37,10 @@ from mien.models.anime_graph.incremental import search_ahead
 from mien.models.anime_graph.plain_search import plain_search
 from mien.models.anime_graph.query import SpokenPhones
 from mien.models.anime_graph.search import search
+from mien.models.performers import load_learned_performer
 from mien.speech.pronunciation import pronounce_text
 
-WEIGHTS = {
-    "paper": SearchWeights(),
-    "even": SearchWeights(jump=1.0, join=1.0, audio=0.5, duration=1.0, pause_audio=0.0),
-}
+WEIGHTS = {"paper": SearchWeights(), "learned": load_learned_performer("default").model("graph").weights_}
 LENGTH = 30
 HELD_OUT = 60
 PLAIN_UP_TO = 100_000
@@ -54,10 +52,10 @@ Written by `python benchmarks/graph_search.py CORPUS`, on {machine}, {cores} pro
 
 Questions of {length} phones; the audio cost is in every time on both sides. *Plain* is `plain_search`, vectorised
 dynamic programming over all pairs, with the same compiled audio distance; it was run for the first questions only, and
-not at all beyond {plain} nodes. *paper*: jump 100, join 1, audio .01. *even*: jump 1, join 1, audio .5, duration 1, no
-audio in pauses: jumps no longer dominate. *grammar*: the recorded takes drawn again and again; *English*: sentences
-drawn from a language model (`benchmarks/made_graphs.py`). Both searches find the same cost; the largest difference is
-in the last column, as a share of the cost.
+not at all beyond {plain} nodes. *paper*: jump 100, join 1, audio .01. *learned*: those that the default performer
+learned from its recordings ({learned}): jumps no longer dominate. *grammar*: the recorded takes drawn again and again;
+*English*: sentences drawn from a language model (`benchmarks/made_graphs.py`). Both searches find the same cost; the
+largest difference is in the last column, as a share of the cost.
 
 States: nodes that could stand at the phones; left: those that the bounds leave; weighed: those whose cost is computed.
 Memory: the features (a mapped file), the rest of the graph with its index, and by how much the process grew at most in
@@ -208,6 +206,12 @@ def _many(asked: Sequence[SpokenPhones]) -> SpokenPhones:
     )
 
 
+def told(weights: SearchWeights) -> str:
+    return ", ".join(
+        f"{name} {getattr(weights, name):g}" for name in ("jump", "join", "audio", "duration", "pause_audio")
+    )
+
+
 def table(columns: Sequence[str], rows: Sequence[tuple[object, ...]]) -> str:
     lines = ["| " + " | ".join(columns) + " |", "| " + " | ".join(["---", *["---:"] * (len(columns) - 1)]) + " |"]
     return "\n".join([*lines, *("| " + " | ".join(str(value) for value in row) + " |" for row in rows)]) + "\n"
@@ -238,7 +242,7 @@ def main() -> None:
     ]  # fmt: skip
     text = HEADER.format(
         machine=platform.machine(), cores=multiprocessing.cpu_count(), load=float(load), length=LENGTH,
-        plain=PLAIN_UP_TO,
+        plain=PLAIN_UP_TO, learned=told(WEIGHTS["learned"]),
     ) + "\n" + table(COLUMNS, rows)  # fmt: skip
     text += "\n## Phones that arrive one by one\n\n"
     text += "A node is settled when so many phones after it are known. 10,000 nodes.\n\n"
