@@ -201,13 +201,17 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face:
+def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face | Path:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
     from mien.face.library import load_face
     from mien.output.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
     _refuse_same_file(outputs, inputs)
+    if options.face.lower().endswith(".glb"):
+        from mien.cli.foreign_face import checked_glb
+
+        return checked_glb(options.face, outputs, options.deformer)
     face = load_face(options.face)
     if options.deformer != "blendshapes":
         from mien.face.deformers import deformed_by
@@ -231,7 +235,7 @@ def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> 
         written.add(real)
 
 
-def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> int:
+def _finish(animation: Animation, face: Face | Path, options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from mien import api
@@ -246,7 +250,12 @@ def _finish(animation: Animation, face: Face, options: argparse.Namespace) -> in
             bar.total = total
             bar.update(done - bar.n)
 
-        notes = api.save(animation, *outputs, face=face, progress=progress)
+        if isinstance(face, Path):
+            from mien.cli.foreign_face import drive
+
+            notes = drive(animation, face, outputs)
+        else:
+            notes = (*api.save(animation, *outputs, face=face, progress=progress),)
     _tell(notes, options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration
