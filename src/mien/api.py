@@ -241,7 +241,7 @@ def align(
 
 
 def save(
-    animation: Animation, *paths: str | Path, face: str | Face = "default", progress: Progress | None = None
+    animation: Animation, *paths: str | Path, face: str | Path | Face = "default", progress: Progress | None = None
 ) -> tuple[Note, ...]:
     """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
 
@@ -250,8 +250,9 @@ def save(
     animation : Animation
     *paths : str or Path
         ``.mp4 .glb .csv .TextGrid .json .png .wav``; all are checked before the first is written.
-    face : str or Face
-        The face for the formats that show one, by name or loaded.
+    face : str, Path or Face
+        The face for the formats that show one: by name, loaded, or a GLB of another maker (``.glb``), which is driven
+        by its own morph targets and written with everything else in it.
     progress : callable (done, total) or None
         Called while frames are drawn.
 
@@ -272,8 +273,24 @@ def save(
     from mien.output.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
+    if isinstance(face, (str, Path)) and str(face).lower().endswith((".glb", ".vrm")):
+        return tuple(note for target in targets for note in _save_foreign(animation, target, Path(face)))
+    if isinstance(face, Path):
+        face = str(face)
     shown = load_face(face) if isinstance(face, str) else face
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))
+
+
+def _save_foreign(animation: Animation, target: Path, face: Path) -> tuple[Note, ...]:
+    """Write one file where the face is somebody else's GLB."""
+    from mien.output.driven_glb import drive_glb
+    from mien.output.registry import save as save_one
+
+    if target.suffix.lower() == ".glb":
+        return drive_glb(animation.channels, face, target)
+    if target.suffix.lower() in (".mp4", ".png"):
+        raise InputError(f"{face} is driven and written as .glb; only mien's own faces are drawn: not {target}")
+    return save_one(animation, target)
 
 
 def read_text(text: str | Path) -> str:

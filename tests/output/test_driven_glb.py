@@ -8,12 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+import mien
 from mien.channels import ARKIT
 from mien.errors import InputError
-from mien.output.driven_glb import drive_glb, read_chunks, recipe_of_target
+from mien.face.posing import head_rotation
+from mien.output.driven_glb import drive_glb, driven_meshes, read_chunks, recipe_of_target
+from mien.output.turning_nodes import turns_of_nodes
 from mien.timeline import FrameRate
 from mien.tracks import ChannelTrack
+from tests.faces import tiny_animation
 
 
 def _glb(path: Path, names: list[str]) -> Path:
@@ -38,6 +43,61 @@ def _track() -> ChannelTrack:
     values = np.zeros((2, len(ARKIT)))
     values[1, ARKIT.index("jawOpen")] = 0.5
     return ChannelTrack(names=ARKIT, values=values, rate=FrameRate(30))
+
+
+def test_a_mesh_with_arkit_names_is_not_driven_by_visemes_too(tmp_path: Path) -> None:
+    source = _glb(tmp_path / "a.glb", [*ARKIT[:20], "viseme_aa", "A"])
+    (mesh,) = driven_meshes(source, read_chunks(source)[0])
+    assert [bool(recipe) for recipe in mesh.recipes] == [True] * 20 + [False] * 2
+
+
+@pytest.mark.parametrize("version", [0, 1])
+def test_names_from_the_expressions_of_vrm(version: int) -> None:
+    targets = [{"POSITION": 0}] * 2
+    one = {"preset": {"aa": {"morphTargetBinds": [{"node": 0, "index": 1, "weight": 1.0}]}}}
+    zero = {"blendShapeMaster": {"blendShapeGroups": [{"presetName": "a", "binds": [{"mesh": 0, "index": 1}]}]}}
+    document = {
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"targets": targets}]}],
+        "extensions": {"VRMC_vrm": {"expressions": one}} if version else {"VRM": zero},
+    }
+    (mesh,) = driven_meshes("x.glb", document)
+    assert mesh.targets[0] == ""
+    assert mesh.recipes[1]["jawOpen"] == pytest.approx(1.4)
+
+
+def test_the_head_turns_about_the_worlds_axes_whatever_its_bone(tmp_path: Path) -> None:
+    tilt, rest = Rotation.from_euler("x", -90, degrees=True), Rotation.from_euler("z", 30, degrees=True)
+    nodes = [
+        {"name": "Armature", "rotation": tilt.as_quat().tolist(), "children": [1]},
+        {"name": "J_Bip_C_Head", "rotation": rest.as_quat().tolist()},
+    ]
+    track = ChannelTrack(("headYaw",), [[0.0], [20.0]], FrameRate.of(30))
+    turned, notes = turns_of_nodes(track, {"nodes": nodes})
+    world = tilt * Rotation.from_quat(turned[1][1])
+    wanted = Rotation.from_matrix(head_rotation(20.0, 0.0, 0.0)) * tilt * rest
+    np.testing.assert_allclose(world.as_matrix(), wanted.as_matrix(), atol=1e-9)
+    np.testing.assert_allclose(np.abs(turned[1][0] @ rest.as_quat()), 1.0)
+    assert "a left eye or a right eye" in notes[0].message
+
+
+def test_our_own_glb_as_the_face_of_another(tmp_path: Path) -> None:
+    animation = tiny_animation()
+    mien.save(animation, tmp_path / "face.glb")
+    mien.save(animation, tmp_path / "driven.glb", face=tmp_path / "face.glb")
+    before, after = (read_chunks(tmp_path / name) for name in ("face.glb", "driven.glb"))
+    assert after[1][0][1].startswith(before[1][0][1].rstrip(b"\0"))
+    assert after[0]["meshes"] == before[0]["meshes"]
+    assert len(after[0]["animations"]) == len(before[0].get("animations", [])) + 1
+    assert {c["target"]["path"] for c in after[0]["animations"][-1]["channels"]} == {"weights", "rotation"}
+    with pytest.raises(InputError, match="only mien's own faces are drawn"):
+        mien.save(animation, tmp_path / "a.mp4", face=str(tmp_path / "face.glb"))
+
+
+@pytest.mark.parametrize("document", [{"meshes": [{}]}, {"meshes": [7]}, {"meshes": [{"primitives": []}]}])
+def test_json_that_does_not_hold_together_is_one_line(document: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=r"x\.glb: its meshes"):
+        driven_meshes("x.glb", document)
 
 
 def test_bytes_kept_and_weights_written(tmp_path: Path) -> None:

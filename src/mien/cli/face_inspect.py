@@ -29,26 +29,29 @@ def add_command(kinds: Any) -> None:
 
 
 def _inspect(options: argparse.Namespace) -> int:
-    from mien.output.driven_glb import read_chunks, recipe_of_target, target_names
+    from mien.output.driven_glb import driven_meshes, read_chunks
+    from mien.output.turning_nodes import turning_nodes
 
     document, _ = read_chunks(options.glb)
     meshes: list[dict[str, Any]] = []
-    for number, mesh in enumerate(document.get("meshes", [])):
-        names = target_names(mesh)
-        known = {name: dict(recipe_of_target(name)) for name in names if recipe_of_target(name)}
-        unknown = [name for name in names if name not in known]
-        meshes.append({"mesh": mesh.get("name", f"mesh {number}"), "driven": known, "unknown": unknown})
+    for mesh in driven_meshes(options.glb, document):
+        pairs = list(zip(mesh.targets, mesh.recipes, strict=True))
+        known = {name: dict(recipe) for name, recipe in pairs if recipe}
+        meshes.append({"mesh": mesh.name, "driven": known, "unknown": [name for name, recipe in pairs if not recipe]})
+    nodes = {part: document["nodes"][number]["name"] for part, number in turning_nodes(document).items()}
     direct = {
         next(iter(recipe)) for mesh in meshes for recipe in mesh["driven"].values() if list(recipe.values()) == [1.0]
     }
     missing = {channel: cost for channel, cost in _COSTS.items() if channel not in direct}
     if options.json:
-        print(json.dumps({"meshes": meshes, "missing": missing}, indent=2))
+        print(json.dumps({"meshes": meshes, "nodes": nodes, "missing": missing}, indent=2))
         return 0
-    for mesh in meshes:
-        print(f"{mesh['mesh']}: {len(mesh['driven'])} targets known, {len(mesh['unknown'])} not known")
-        for name, recipe in mesh["driven"].items():
+    for told in meshes:
+        print(f"{told['mesh']}: {len(told['driven'])} targets known, {len(told['unknown'])} not known")
+        for name, recipe in told["driven"].items():
             print(f"  {name} <- " + " ".join(f"{weight:+g} {channel}" for channel, weight in recipe.items()))
+    for part in ("head", "eyeLeft", "eyeRight"):
+        print(f"{part}: node {nodes[part]!r}" if part in nodes else f"{part}: no node of such a name; it stays still")
     for channel, cost in missing.items():
         print(f"no {channel} of its own: {cost}, unless a viseme shape does it")
     return 0

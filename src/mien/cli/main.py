@@ -207,8 +207,9 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     from mien.output.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
-    _refuse_same_file(outputs, inputs)
-    if options.face.lower().endswith(".glb"):
+    foreign = options.face.lower().endswith((".glb", ".vrm"))
+    _refuse_same_file(outputs, [*inputs, options.face if foreign else None])
+    if foreign:
         from mien.cli.foreign_face import checked_glb
 
         return checked_glb(options.face, outputs, options.deformer)
@@ -250,12 +251,7 @@ def _finish(animation: Animation, face: Face | Path, options: argparse.Namespace
             bar.total = total
             bar.update(done - bar.n)
 
-        if isinstance(face, Path):
-            from mien.cli.foreign_face import drive
-
-            notes = drive(animation, face, outputs)
-        else:
-            notes = (*api.save(animation, *outputs, face=face, progress=progress),)
+        notes = api.save(animation, *outputs, face=face, progress=progress)
     _tell(notes, options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration

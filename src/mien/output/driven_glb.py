@@ -10,7 +10,9 @@ import json
 import re
 import struct
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -18,15 +20,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import ARKIT
-from mien.errors import InputError
+from mien.channels import WEIGHTS
+from mien.errors import InputError, Note
 from mien.files import replace_when_complete
+from mien.output.turning_nodes import turns_of_nodes
 from mien.tracks import ChannelTrack
 
-__all__ = ["drive_glb", "read_chunks", "recipe_of_target", "target_names"]
+__all__ = ["DrivenMesh", "drive_glb", "driven_meshes", "read_chunks", "recipe_of_target", "target_names"]
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
 Recipe = Mapping[str, float]
+_ENOUGH_ARKIT = 10
+"""ARKit shapes from which on a mesh is driven by them alone."""
 
 
 def read_chunks(path: str | Path) -> tuple[dict[str, Any], list[tuple[int, bytes]]]:
@@ -56,12 +61,80 @@ def read_chunks(path: str | Path) -> tuple[dict[str, Any], list[tuple[int, bytes
     return document, chunks[1:]
 
 
-def target_names(mesh: Mapping[str, Any]) -> list[str]:
-    """Names of a mesh's morph targets; without ``extras.targetNames``, empty names."""
+@dataclass(frozen=True)
+class DrivenMesh:
+    """What of one mesh is driven.
+
+    Attributes
+    ----------
+    name : str
+    targets : tuple of str
+        Names of all its morph targets; "" where the file has none.
+    recipes : tuple of mapping of str to float
+        For each target the channels that drive it; empty if its name is not known, or if the mesh has it twice over
+        (a mesh with ARKit's shapes is not driven by visemes as well).
+    """
+
+    name: str
+    targets: tuple[str, ...]
+    recipes: tuple[Recipe, ...]
+
+
+def driven_meshes(path: str | Path, document: Mapping[str, Any]) -> tuple[DrivenMesh, ...]:
+    """All meshes of a document, and what drives their targets.
+
+    Raises
+    ------
+    InputError
+        If the document does not hold together.
+    """
+    try:
+        from_vrm = _vrm_names(document)
+        return tuple(
+            _driven(str(mesh.get("name") or f"mesh {number}"), target_names(mesh, from_vrm.get(number, {})))
+            for number, mesh in enumerate(document.get("meshes", []))
+        )
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError) as problem:
+        raise InputError(f"{path}: its meshes or expressions do not hold together ({problem!r})") from problem
+
+
+def _driven(name: str, targets: tuple[str, ...]) -> DrivenMesh:
+    recipes = [recipe_of_target(target) for target in targets]
+    arkit = [target for target, recipe in zip(targets, recipes, strict=True) if recipe and _is_arkit(target)]
+    if len(arkit) >= _ENOUGH_ARKIT:
+        recipes = [recipe if _is_arkit(t) else {} for t, recipe in zip(targets, recipes, strict=True)]
+    return DrivenMesh(name, targets, tuple(recipes))
+
+
+def target_names(mesh: Mapping[str, Any], otherwise: Mapping[int, str] | None = None) -> tuple[str, ...]:
+    """Names of a mesh's morph targets: from ``extras.targetNames``, else ``otherwise`` by place, else empty."""
     count = len(mesh["primitives"][0].get("targets", []))
-    names = mesh.get("extras", {}).get("targetNames")
-    names = names or mesh["primitives"][0].get("extras", {}).get("targetNames") or []
-    return [str(name) for name in names[:count]] + [""] * (count - len(names))
+    given = (mesh.get("extras") or {}).get("targetNames")
+    given = given or (mesh["primitives"][0].get("extras") or {}).get("targetNames") or []
+    names = [str(name) for name in given[:count]]
+    return tuple(names + [(otherwise or {}).get(place, "") for place in range(len(names), count)])
+
+
+def _vrm_names(document: Mapping[str, Any]) -> dict[int, dict[int, str]]:
+    """Names of morph targets by mesh and place, as the expressions of VRM 1 or 0 that move them alone."""
+    found: dict[int, dict[int, str]] = {}
+    extensions = document.get("extensions", {})
+    expressions = extensions.get("VRMC_vrm", {}).get("expressions", {})
+    for group in ("preset", "custom"):
+        for name, expression in expressions.get(group, {}).items():
+            binds = expression.get("morphTargetBinds", [])
+            meshes = {document["nodes"][bind["node"]]["mesh"] for bind in binds}
+            if len(binds) == len(meshes):
+                for bind in binds:
+                    found.setdefault(document["nodes"][bind["node"]]["mesh"], {}).setdefault(bind["index"], name)
+    for entry in extensions.get("VRM", {}).get("blendShapeMaster", {}).get("blendShapeGroups", []):
+        name = entry.get("presetName", "")
+        name = entry.get("name", "") if name in ("", "unknown") else name
+        binds = entry.get("binds", [])
+        if len(binds) == len({bind["mesh"] for bind in binds}):
+            for bind in binds:
+                found.setdefault(bind["mesh"], {}).setdefault(bind["index"], name)
+    return found
 
 
 def recipe_of_target(name: str) -> Recipe:
@@ -74,51 +147,85 @@ def recipe_of_target(name: str) -> Recipe:
     >>> recipe_of_target("browDown_L")
     {'browDownLeft': 1.0}
     """
-    table = _table()
-    short = re.sub(r"_(L|R)$", lambda side: "Left" if side[1] == "L" else "Right", name.rsplit(".", 1)[-1])
-    plain = _plain(short)
-    for channel in ARKIT:
-        if _plain(channel) == plain:
-            return {channel: 1.0}
-    if plain in ("browinnerupleft", "browinnerupright"):
-        return {"browInnerUp": 1.0}
-    viseme = re.sub(r"^(viseme|vrcv|fclmth|v)(?=.)", "", plain)
+    channel = _channel_of(name)
+    if channel:
+        return {channel: 1.0}
+    plain, table = _plain(name.rsplit(".", 1)[-1]), _table()
+    viseme = re.sub(r"^(viseme|vrcv|fclmth|fcleye|v)(?=.)", "", plain)
     found: Recipe = table["arkit"].get(plain) or table["visemes"].get(viseme) or {}
     return found
 
 
-def drive_glb(track: ChannelTrack, source: str | Path, path: str | Path) -> None:
-    """Write ``source`` again with the weights of a track as one more animation."""
+def _is_arkit(name: str) -> bool:
+    return bool(_channel_of(name))
+
+
+@cache
+def _channel_of(name: str) -> str:
+    """The channel whose own name this is, whatever its spelling; "" if there is none."""
+    short = re.sub(r"_(L|R)$", lambda side: "Left" if side[1] == "L" else "Right", name.rsplit(".", 1)[-1])
+    spelt = {_plain(channel): channel for channel in WEIGHTS}
+    if _plain(short) in ("browinnerupleft", "browinnerupright"):
+        return "browInnerUp"
+    return spelt.get(_plain(short), "")
+
+
+def drive_glb(track: ChannelTrack, source: str | Path, path: str | Path) -> tuple[Note, ...]:
+    """Write ``source`` again with the weights of a track, and its head and eyes turning, as one more animation.
+
+    Returns
+    -------
+    tuple of Note
+        Which of the head and the eyes were not found among its nodes.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, has no morph target with a known name, or would be overwritten.
+    OutputError
+        If the result cannot be written.
+    """
     if Path(source).resolve() == Path(path).resolve():
         raise InputError(f"{path} is both read and written: give the output another name")
     document, chunks = read_chunks(source)
-    keys = _Keys(document, chunks)
-    times = keys.add(track.rate.times(len(track)).astype(np.float32), bounds=True)
+    meshes = driven_meshes(source, document)
+    if not any(recipe for mesh in meshes for recipe in mesh.recipes):
+        raise InputError(f"{source} has no morph target with a known name (ARKit, VRM or viseme): nothing could move")
+    try:
+        keys = _Keys(document, chunks)
+        notes = _add_animation(track, document, meshes, keys)
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError) as problem:
+        raise InputError(f"{source}: its nodes do not hold together ({problem!r})") from problem
+    with replace_when_complete(path) as unfinished:
+        unfinished.write_bytes(keys.packed())
+    return notes
+
+
+def _add_animation(
+    track: ChannelTrack, document: dict[str, Any], meshes: tuple[DrivenMesh, ...], keys: _Keys
+) -> tuple[Note, ...]:
+    times = keys.add(track.rate.times(len(track)).astype(np.float32), "SCALAR", bounds=True)
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
+
+    def put(node: int, path: str, output: int) -> None:
+        channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
+        samplers.append({"input": times, "interpolation": "LINEAR", "output": output})
+
     for number, node in enumerate(document.get("nodes", [])):
-        values = _weights(track, document, node)
-        if values is not None:
-            channels.append({"sampler": len(samplers), "target": {"node": number, "path": "weights"}})
-            samplers.append({"input": times, "interpolation": "LINEAR", "output": keys.add(values.reshape(-1))})
-    if not channels:
-        raise InputError(f"{source} has no morph target with a known name (ARKit or viseme): nothing could move")
+        if "mesh" in node and any(meshes[node["mesh"]].recipes):
+            rest = node.get("weights") or document["meshes"][node["mesh"]].get("weights")
+            put(number, "weights", keys.add(_weights(track, meshes[node["mesh"]], rest).reshape(-1), "SCALAR"))
+    turned, notes = turns_of_nodes(track, document)
+    for number, turns in turned.items():
+        put(number, "rotation", keys.add(turns.astype(np.float32), "VEC4"))
     document.setdefault("animations", []).append({"name": "mien", "channels": channels, "samplers": samplers})
-    content = keys.packed()
-    with replace_when_complete(path) as unfinished:
-        unfinished.write_bytes(content)
+    return notes
 
 
-def _weights(track: ChannelTrack, document: Mapping[str, Any], node: Mapping[str, Any]) -> NDArray[np.float32] | None:
-    if "mesh" not in node:
-        return None
-    mesh = document["meshes"][node["mesh"]]
-    recipes = [recipe_of_target(name) for name in target_names(mesh)]
-    if not any(recipes):
-        return None
-    rest = node.get("weights") or mesh.get("weights") or [0.0] * len(recipes)
-    values = np.tile(np.asarray(rest, dtype=np.float32), (len(track), 1))
-    for column, recipe in enumerate(recipes):
+def _weights(track: ChannelTrack, mesh: DrivenMesh, rest: Sequence[float] | None) -> NDArray[np.float32]:
+    values = np.tile(np.asarray(rest or [0.0] * len(mesh.recipes), dtype=np.float32), (len(track), 1))
+    for column, recipe in enumerate(mesh.recipes):
         if recipe:
             parts = track.select(tuple(recipe)).values @ np.array(list(recipe.values()))
             values[:, column] = np.clip(parts, 0.0, 1.0)
@@ -137,13 +244,18 @@ class _Keys:
                 raise InputError("the GLB keeps its buffers outside the file: pack them into it first")
             buffers.append({"byteLength": 0})
 
-    def add(self, values: NDArray[np.float32], bounds: bool = False) -> int:
+    def add(self, values: NDArray[np.float32], kind: str, bounds: bool = False) -> int:
         self.data += bytes(-len(self.data) % 4)
         views = self.document.setdefault("bufferViews", [])
         accessors = self.document.setdefault("accessors", [])
         views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
         self.data += values.astype("<f4").tobytes()
-        accessor = {"bufferView": len(views) - 1, "componentType": 5126, "count": values.size, "type": "SCALAR"}
+        accessor: dict[str, Any] = {
+            "bufferView": len(views) - 1,
+            "componentType": 5126,
+            "count": len(values),
+            "type": kind,
+        }
         if bounds:
             accessor |= {"min": [float(values.min())], "max": [float(values.max())]}
         accessors.append(accessor)
@@ -161,5 +273,6 @@ def _plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
+@cache
 def _table() -> dict[str, Any]:
     return tomllib.loads((resources.files("mien") / "assets" / "rigs" / "names.toml").read_text("utf-8"))
