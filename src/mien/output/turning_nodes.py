@@ -33,9 +33,14 @@ def turning_nodes(document: Mapping[str, Any]) -> dict[str, int]:
     found = {}
     for part, names in table.items():
         places = [plain.index(name) for name in names if name in plain]
-        if places and "mesh" not in document["nodes"][places[0]]:
+        if places and _turns_by_itself(document["nodes"][places[0]]):
             found[part] = places[0]
     return found
+
+
+def _turns_by_itself(node: Mapping[str, Any]) -> bool:
+    """Whether turning a node turns what it is named for about its own place: a bone, or a mesh that stands there."""
+    return "skin" not in node and ("mesh" not in node or any(node.get("translation", ())))
 
 
 def turns_of_nodes(track: ChannelTrack, document: Mapping[str, Any]) -> tuple[dict[int, Floats], tuple[Note, ...]]:
