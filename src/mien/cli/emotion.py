@@ -18,10 +18,9 @@ __all__ = ["add_emotion_commands"]
 
 def add_emotion_commands(commands: Any) -> None:
     """Add the commands on emotion: read from the voice, changed in a motion."""
-    from mien.cli import emotion_map, recolor
+    from mien.cli import emotion_map
 
     emotion_map.add_command(commands)
-    recolor.add_command(commands)
     emotion = commands.add_parser("emotion", help="tell which emotion is in a voice")
     emotion.add_argument("files", metavar="FILE", nargs="+", help="sound files, or videos with a sound track")
     emotion.add_argument("--classifier", metavar="X.npz", help="a classifier made by 'mien emotion-train'")

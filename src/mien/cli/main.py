@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, express, inspect, learn, modules, serve, stimuli
+from mien.cli import evaluate, express, inspect, learn, modules, recolor, serve, stimuli
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.emotion import add_emotion_commands
@@ -105,6 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     inspect.add_command(commands)
     face_commands.add_command(commands)
     express.add_command(commands, _checked_face, _finish)
+    recolor.add_command(commands, _checked_face, _finish)
     add_emotion_commands(commands)
     serve.add_command(commands)
 

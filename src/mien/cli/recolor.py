@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Callable, Sequence
 from typing import Any
 
 __all__ = ["add_command"]
 
+CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
+Finish = Callable[[Any, Any, argparse.Namespace], int]
 
-def add_command(commands: Any) -> None:
-    """Add ``mien recolor`` to the commands."""
+
+def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
+    """Add ``mien recolor`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
     recolor = commands.add_parser("recolor", help="an animation as it would be in another emotion")
     recolor.add_argument("animation", metavar="LINE.json", help="a native animation: mien animate ... -o LINE.json")
     recolor.add_argument("--to", required=True, metavar="NAME[:0..1]", help="the emotion, as for --emotion of mien say")
@@ -23,31 +26,12 @@ def add_command(commands: Any) -> None:
     )
     recolor.add_argument("--face", default="default", help="the face to show (default: default)")
     recolor.add_argument("--quiet", action="store_true", help="say nothing but errors")
-    recolor.set_defaults(run=_recolor)
+    recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
 
 
-def _recolor(options: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
-    from mien import api
-    from mien.face.library import load_face
+def _recolor(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
     from mien.output.native import read_native
-    from mien.output.registry import check_output
     from mien.recolor import recolor
 
-    outputs = [check_output(path) for path in (options.output, *options.also)]
-    face = load_face(options.face)
-    made = recolor(read_native(options.animation), options.to, options.performer)
-    hidden = options.quiet or not sys.stderr.isatty()
-    with tqdm(unit=" frames", desc="drawing", leave=False, disable=hidden) as bar:
-
-        def progress(done: int, total: int) -> None:
-            bar.total = total
-            bar.update(done - bar.n)
-
-        notes = api.save(made, *outputs, face=face, progress=progress)
-    if not options.quiet:
-        for note in (*made.notes, *notes):
-            print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
-        print(f"{', '.join(str(path) for path in outputs)}: now {options.to}")
-    return 0
+    face = checked_face(options, [options.animation])
+    return finish(recolor(read_native(options.animation), options.to, options.performer), face, options)

@@ -7,8 +7,8 @@ colour, which stays, is not in it) and ``modulation``.
 
 What was tried and left out, because neutral speech of other corpora (grid-s1, timit-sample) lay more than 1.5 standard
 deviations off neutral speech of EmoDB: spread and range of the level, shares and lengths of voiced and unvoiced
-stretches, and four means of the spectrum. Without them as much EmoDB of unseen speakers is told (.79), and of neutral
-grid-s1 73 % is heard as neutral instead of 27 %.
+stretches, and four means of the spectrum. Without them as much EmoDB of unseen speakers is told,
+and far more of neutral grid-s1 is heard as neutral.
 """
 
 from __future__ import annotations
