@@ -31,9 +31,10 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.parameter_tree import Influence, Parameter, ParameterTree, tree_faults
+from mien.face.tree_regions import REGIONS, Listed, Region, read_number, read_three
 from mien.files import replace_when_complete
 
-__all__ = ["TreeConfig", "check_tree", "read_tree", "tree_text", "write_tree"]
+__all__ = ["TreeConfig", "check_tree", "parse_tree", "read_tree", "tree_text", "write_tree"]
 
 HEADER = "mien-tree 1"
 _SMALLEST_WEIGHT = 5e-4
@@ -41,7 +42,6 @@ _PER_LINE = 12
 _MOST_FAULTS = 20
 
 Vertices = Mapping[str, NDArray[np.floating]]
-Region = Callable[[str, NDArray[np.floating]], tuple[NDArray[np.int64], NDArray[np.float64]]]
 
 
 @dataclass
@@ -59,6 +59,7 @@ class _Draft:
     limits: tuple[float, float] | None = None
     regions: list[tuple[int, str | None, Region]] = field(default_factory=list)  # line, part or all, region
     broken: bool = False  # a line of it could not be read: what that leads to is not told besides
+    remarks: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -69,13 +70,18 @@ class TreeConfig:
     ----------
     source : str
         What to call it in messages.
+    drafts : list
+        Parameters as their lines say them; `mien.face.tree_data` gives them as plain data.
     faults : list of (int, str)
         Line and what is wrong there.
+    remarks : list of str
+        What stood behind ``#`` before the first parameter.
     """
 
     source: str
     drafts: list[_Draft] = field(default_factory=list)
     faults: list[tuple[int, str]] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
     def on(self, vertices: Vertices, literal: bool = False) -> ParameterTree:
         """The tree on a mesh.
@@ -128,7 +134,7 @@ def _influences(draft: _Draft, vertices: Vertices, faults: list[tuple[int, str]]
             continue
         for name in [part] if part is not None else vertices:
             try:
-                chosen, weights = region(name, vertices[name])
+                chosen, weights = region.on(name, vertices[name])
             except ValueError as problem:
                 faults.append((line, f"{draft.name}: {problem}"))
                 break
@@ -152,24 +158,52 @@ def read_tree(path: str | Path) -> TreeConfig:
     """
     path = Path(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as problem:
         raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
     except OSError as problem:
         raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    told = [(number, line.split("#", 1)[0].split()) for number, line in enumerate(lines, 1)]
-    told = [(number, words) for number, words in told if words]
-    if not told or " ".join(told[0][1]) != HEADER:
-        first = f"{path}:{told[0][0]}" if told else f"{path}"
-        raise InputError(f"{first}: expected {HEADER!r} as the first line of a parameter tree")
-    config = TreeConfig(str(path))
-    for number, words in told[1:]:
-        try:
-            _statement(config, number, words)
-        except ValueError as problem:
-            config.faults.append((number, str(problem)))
-            if config.drafts:
-                config.drafts[-1].broken = True
+    return parse_tree(text, str(path))
+
+
+def parse_tree(text: str, source: str = "tree") -> TreeConfig:
+    r"""Read a configuration from its text; faults of single lines are collected in `TreeConfig.faults`.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        If it is no tree configuration at all.
+
+    Examples
+    --------
+    >>> parse_tree("mien-tree 1\nparameter jaw\nrotation axis 1 0 pivot 0 0 0").faults
+    [(3, "expected 'rotation axis X Y Z pivot X Y Z'")]
+    """
+    config, begun = TreeConfig(source), False
+    for number, line in enumerate(text.splitlines(), 1):
+        statement, mark, remark = line.partition("#")
+        words = statement.split()
+        if words and not begun:
+            if " ".join(words) != HEADER:
+                raise InputError(f"{source}:{number}: expected {HEADER!r} as the first line of a parameter tree")
+            begun = True
+        elif words:
+            try:
+                _statement(config, number, words)
+            except ValueError as problem:
+                config.faults.append((number, str(problem)))
+                if config.drafts:
+                    config.drafts[-1].broken = True
+        if mark:
+            (config.drafts[-1] if config.drafts else config).remarks.append(remark.strip())
+    if not begun:
+        raise InputError(f"{source}: expected {HEADER!r} as the first line of a parameter tree")
     return config
 
 
@@ -185,32 +219,16 @@ def _statement(config: TreeConfig, line: int, words: Sequence[str]) -> None:
     draft = config.drafts[-1]
     if keyword in _SETTERS:
         _SETTERS[keyword](draft, rest)
-    elif keyword in _REGIONS:
+    elif keyword in REGIONS:
         part = rest.pop(0)[5:] if rest and rest[0].startswith("part:") else None
-        draft.regions.append((line, part, _REGIONS[keyword](rest)))
+        draft.regions.append((line, part, REGIONS[keyword](rest)))
     elif keyword == "weights":
         if len(rest) < 2:
             raise ValueError("expected 'weights PART VERTEX:WEIGHT ...'")
-        draft.regions.append((line, rest[0], _listed(rest[1:])))
+        draft.regions.append((line, rest[0], Listed.read(rest[1:])))
     else:
-        known = ", ".join(("parameter", *_SETTERS, *_REGIONS, "weights"))
+        known = ", ".join(("parameter", *_SETTERS, *REGIONS, "weights"))
         raise ValueError(f"unknown statement {keyword!r}; known: {known}")
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        raise ValueError(f"expected a number, got {text!r}") from None
-    if not np.isfinite(number):
-        raise ValueError(f"expected a finite number, got {text!r}")
-    return number
-
-
-def _three(words: Sequence[str], what: str) -> tuple[float, float, float]:
-    if len(words) != 3:
-        raise ValueError(f"{what} has three numbers, got {len(words)}")
-    return _number(words[0]), _number(words[1]), _number(words[2])
 
 
 def _settled(draft: _Draft, kind: str) -> None:
@@ -223,12 +241,12 @@ def _rotation(draft: _Draft, words: list[str]) -> None:
     if len(words) != 8 or words[0] != "axis" or words[4] != "pivot":
         raise ValueError("expected 'rotation axis X Y Z pivot X Y Z'")
     _settled(draft, "rotation")
-    draft.vector, draft.pivot = _three(words[1:4], "an axis"), _three(words[5:8], "a pivot")
+    draft.vector, draft.pivot = read_three(words[1:4], "an axis"), read_three(words[5:8], "a pivot")
 
 
 def _translation(draft: _Draft, words: list[str]) -> None:
     _settled(draft, "translation")
-    draft.vector = _three(words, "a translation")
+    draft.vector = read_three(words, "a translation")
 
 
 def _fixed(draft: _Draft, words: list[str]) -> None:
@@ -254,84 +272,19 @@ def _drive(draft: _Draft, words: list[str]) -> None:
         raise ValueError("expected 'drive CHANNEL GAIN'")
     if words[0] in draft.drives:
         raise ValueError(f"{words[0]} drives {draft.name} already")
-    draft.drives[words[0]] = _number(words[1])
+    draft.drives[words[0]] = read_number(words[1])
 
 
 def _limits(draft: _Draft, words: list[str]) -> None:
     if len(words) != 2:
         raise ValueError("expected 'limits LOWEST HIGHEST'")
-    draft.limits = _number(words[0]), _number(words[1])
+    draft.limits = read_number(words[0]), read_number(words[1])
 
 
 _SETTERS: dict[str, Callable[[_Draft, list[str]], None]] = {
     "rotation": _rotation, "translation": _translation, "fixed": _fixed, "parent": _parent, "group": _group,
     "drive": _drive, "limits": _limits,
 }  # fmt: skip
-
-
-def _listed(words: Sequence[str]) -> Region:
-    """``VERTEX:WEIGHT`` and ``FIRST-LAST:WEIGHT``."""
-    chosen: list[int] = []
-    weights: list[float] = []
-    for word in words:
-        places, colon, weight = word.partition(":")
-        first, dash, last = places.partition("-")
-        if not colon or not first.isdecimal() or (dash and not last.isdecimal()):
-            raise ValueError(f"expected VERTEX:WEIGHT or FIRST-LAST:WEIGHT, got {word!r}")
-        span = range(int(first), int(last or first) + 1)
-        if not len(span):
-            raise ValueError(f"{word!r} runs backwards")
-        if len(span) > 10**7:
-            raise ValueError(f"{word!r} names more vertices than any mesh has")
-        chosen += span
-        weights += [_number(weight)] * len(span)
-
-    def region(part: str, vertices: NDArray[np.floating]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        if max(chosen) >= len(vertices):
-            raise ValueError(f"vertex {max(chosen)} is beyond the {len(vertices)} of part {part!r}")
-        return np.array(chosen, dtype=np.int64), np.array(weights)
-
-    return region
-
-
-def _everywhere(words: list[str]) -> Region:
-    """``all WEIGHT``."""
-    if len(words) != 1:
-        raise ValueError("expected 'all WEIGHT'")
-    weight = _number(words[0])
-    return lambda part, vertices: (np.arange(len(vertices)), np.full(len(vertices), weight))
-
-
-def _sphere(words: list[str]) -> Region:
-    """``sphere X Y Z radius R soft S [weight W]``: W inside, smoothly 0 at R + S."""
-    if len(words) not in (7, 9) or words[3] != "radius" or words[5] != "soft" or words[7:8] not in ([], ["weight"]):
-        raise ValueError("expected 'sphere X Y Z radius R soft S' and, if wanted, 'weight W'")
-    centre, radius, soft = np.array(_three(words[:3], "a centre")), _number(words[4]), _number(words[6])
-    weight = _number(words[8]) if len(words) == 9 else 1.0
-    if radius < 0 or soft < 0:
-        raise ValueError("a radius and a soft edge are not negative")
-    return lambda part, vertices: _faded(np.linalg.norm(vertices - centre, axis=1) - radius, soft, weight)
-
-
-def _halfspace(words: list[str]) -> Region:
-    """``side NX NY NZ of X Y Z soft S [weight W]``: W where the normal points, smoothly 0 at S before."""
-    if len(words) not in (9, 11) or words[3] != "of" or words[7] != "soft" or words[9:10] not in ([], ["weight"]):
-        raise ValueError("expected 'side NX NY NZ of X Y Z soft S' and, if wanted, 'weight W'")
-    normal, point = np.array(_three(words[:3], "a normal")), np.array(_three(words[4:7], "a point"))
-    soft, weight = _number(words[8]), _number(words[10]) if len(words) == 11 else 1.0
-    if not normal.any():
-        raise ValueError("the normal has no length")
-    unit = normal / np.linalg.norm(normal)
-    return lambda part, vertices: _faded(-((vertices - point) @ unit), soft, weight)
-
-
-def _faded(outside: NDArray[np.floating], soft: float, weight: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    share = np.clip(1 - outside / max(soft, 1e-9), 0, 1)
-    chosen = np.flatnonzero(share > 0)
-    return chosen, weight * (share * share * (3 - 2 * share))[chosen]
-
-
-_REGIONS: dict[str, Callable[[list[str]], Region]] = {"all": _everywhere, "sphere": _sphere, "side": _halfspace}
 
 
 def check_tree(config: TreeConfig, vertices: Vertices | None) -> list[tuple[int, str]]:
