@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,7 @@ from mien.live.frames import Frame, Greeting
 from mien.live.hub import Hub
 from mien.live.sockets import Access, websocket_stream
 
-__all__ = ["Outlets", "Played", "greeting_of", "stream"]
+__all__ = ["OpenOutlets", "Outlets", "Played", "greeting_of", "opened_outlets", "stream"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,49 @@ def greeting_of(animation: Animation) -> Greeting:
     return Greeting(animation.channels.names, animation.rate.fps, facts)
 
 
+@dataclass(frozen=True)
+class OpenOutlets:
+    """Outlets that take frames.
+
+    Attributes
+    ----------
+    port : int or None
+        Of the WebSocket.
+    hub : Hub
+    """
+
+    port: int | None
+    hub: Hub
+    _senders: Sequence[tuple[Callable[[bytes], None], Encode]]
+
+    def send(self, frame: Frame) -> None:
+        """Hand a frame to everybody; never waits."""
+        self.hub.publish(frame)
+        for send, encode in self._senders:
+            send(encode(frame))
+
+
+@contextlib.asynccontextmanager
+async def opened_outlets(outlets: Outlets, greeting: Greeting) -> AsyncIterator[OpenOutlets]:
+    """Open all outlets while the context lasts; at its end the WebSocket's clients are told.
+
+    Raises
+    ------
+    OutputError
+        If an address cannot be listened on or sent to.
+    """
+    hub = Hub()
+    async with contextlib.AsyncExitStack() as stack:
+        senders = [(await stack.enter_async_context(datagrams(a)), encode) for a, encode in outlets.datagrams]
+        port = None
+        if outlets.websocket is not None:
+            port = await stack.enter_async_context(websocket_stream(hub, greeting, outlets.websocket))
+        try:
+            yield OpenOutlets(port, hub, senders)
+        finally:
+            hub.end()
+
+
 async def stream(
     animation: Animation,
     outlets: Outlets,
@@ -92,25 +135,15 @@ async def stream(
     OutputError
         If an address cannot be listened on or sent to.
     """
-    values, rate, hub = animation.channels.values, animation.rate, Hub()
+    values, rate = animation.channels.values, animation.rate
     sent = last = 0
-    async with contextlib.AsyncExitStack() as open_outlets:
-        senders = [(await open_outlets.enter_async_context(datagrams(a)), encode) for a, encode in outlets.datagrams]
-        port = None
-        if outlets.websocket is not None:
-            port = await open_outlets.enter_async_context(
-                websocket_stream(hub, greeting_of(animation), outlets.websocket)
-            )
-        opened(port)
+    async with opened_outlets(outlets, greeting_of(animation)) as open_to:
+        opened(open_to.port)
         if wait:
-            await hub.occupied()
+            await open_to.hub.occupied()
         async for number in frames_due(rate, clock or RealClock()):
             if number >= len(values) and not loop:
                 break
-            frame = Frame(number, rate.time_of(number), values[number % len(values)])
-            hub.publish(frame)
-            for send, encode in senders:
-                send(encode(frame))
+            open_to.send(Frame(number, rate.time_of(number), values[number % len(values)]))
             sent, last = sent + 1, number + 1
-        hub.end()
     return Played(sent, last - sent)

@@ -1,0 +1,181 @@
+"""`perform_live`: sound as it arrives, through the animator, to whoever listens, in real time."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien import channels
+from mien.errors import Note
+from mien.live.animator import LiveAnimator
+from mien.live.clock import Clock, RealClock, frames_due
+from mien.live.frames import Frame, Greeting
+from mien.live.playout import Playout
+from mien.live.recording import LiveRecording
+from mien.live.sound_sources import SoundSource
+from mien.live.streaming import Outlets, opened_outlets
+from mien.speech.streaming_features import RATE
+from mien.speech.utterance import PAUSE
+
+__all__ = ["Performed", "perform_live"]
+
+AFTERWARDS = 0.6
+"""Seconds that are shown after the sound has ended: the mouth shuts."""
+
+
+@dataclass(frozen=True)
+class Performed:
+    """What a live stream did.
+
+    Attributes
+    ----------
+    frames, skipped : int
+        Frames sent, and frames passed over because the machine was late.
+    silence, left_out : float
+        As in `Playout`.
+    dropped : float
+        Seconds of sound that came faster than they were taken.
+    delay : float
+        Seconds from the arrival of a sound to the frame that shows it: mean over all frames.
+    """
+
+    frames: int
+    skipped: int
+    silence: float
+    left_out: float
+    dropped: float
+    delay: float
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """What should be known about it."""
+        found = []
+        if self.skipped:
+            found.append(f"{self.skipped} frames were skipped because this machine was late")
+        if self.left_out > 0.05:
+            found.append(f"{self.left_out:.1f} s of sound came too late and were left out")
+        if self.dropped > 0.05:
+            found.append(f"{self.dropped:.1f} s of sound came faster than they could be shown and were lost")
+        return tuple(Note("warning", text) for text in found)
+
+
+async def perform_live(
+    source: SoundSource,
+    animator: LiveAnimator,
+    outlets: Outlets,
+    *,
+    performer: str,
+    recording: LiveRecording | None = None,
+    clock: Clock | None = None,
+    wait: bool = False,
+    opened: Callable[[int | None], None] = lambda port: None,
+    stopping: Callable[[], bool] = lambda: False,
+) -> Performed:
+    """Show sound while it arrives, until it ends.
+
+    Parameters
+    ----------
+    source : SoundSource
+    animator : LiveAnimator
+    outlets : Outlets
+    performer : str
+        Name, for the greeting.
+    recording : LiveRecording or None
+        Gets what is heard and shown.
+    clock : Clock or None
+        None takes the machine's.
+    wait : bool
+        Begin when the first WebSocket client has come.
+    opened : callable (port or None)
+        Called once all outlets are open, with the port of the WebSocket.
+    stopping : callable () -> bool
+        Asked before each frame; True ends the stream.
+
+    Raises
+    ------
+    InputError
+        If the sound cannot be read.
+    OutputError
+        If an address cannot be listened on or sent to.
+    """
+    settings = animator.settings
+    facts = {"live": True, "source": source.name, "look_ahead": settings.look_ahead, "performer": performer}
+    greeting = Greeting(channels.ALL, settings.rate.fps, facts)
+    show = _Show(source, animator, recording)
+    sent = last = 0
+    async with opened_outlets(outlets, greeting) as open_to:
+        opened(open_to.port)
+        if wait:
+            await open_to.hub.occupied()
+        with contextlib.closing(_Running(source)):
+            async for number in frames_due(settings.rate, clock or RealClock()):
+                if stopping() or show.done:
+                    break
+                values = show.next(number + 1 - last)
+                open_to.send(Frame(number, settings.rate.time_of(number), values))
+                sent, last = sent + 1, number + 1
+    playout = show.playout
+    delay = show.delays / max(sent, 1)
+    return Performed(sent, last - sent, playout.silence, playout.left_out, source.inbox.dropped / RATE, delay)
+
+
+class _Running:
+    """A source between its start and its stop."""
+
+    def __init__(self, source: SoundSource) -> None:
+        self._source = source
+        source.start()
+
+    def close(self) -> None:
+        """Stop it."""
+        self._source.stop()
+
+
+class _Show:
+    """The frames of a source: takes what has come, silence where nothing has."""
+
+    def __init__(self, source: SoundSource, animator: LiveAnimator, recording: LiveRecording | None) -> None:
+        self._source, self._animator, self._recording = source, animator, recording
+        self._look_ahead, self._step = animator.settings.look_ahead, animator.settings.rate.time_of(1)
+        self.playout = Playout(animator.settings.rate, self._look_ahead)
+        self.delays = 0.0
+        self._shown = 0.0
+        self._over_since: float | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the sound has ended and the mouth had time to shut."""
+        return self._over_since is not None and self._shown >= self._over_since + AFTERWARDS
+
+    def next(self, frames: int) -> NDArray[np.float64]:
+        """The next frame that is shown, ``frames`` after the one before."""
+        most = None
+        if self._source.stored:  # only as much as belongs to this frame: the rest keeps its time
+            wanted = self._shown + frames * self._step + self._look_ahead - self._animator.heard
+            most = max(0, round(wanted * RATE))
+        self._hear(self._source.inbox.take(most))
+        if self._source.inbox.over:
+            if self._over_since is None:
+                self._over_since = self._animator.heard
+            lacking = self._shown + frames * self._step + self._look_ahead - self._animator.heard
+            self._hear(np.zeros(max(0, round(lacking * RATE)), np.float32))
+        showing = self.playout.next(self._animator.heard, frames)
+        if showing.silence:
+            self._hear(np.zeros(round(showing.silence * RATE), np.float32))
+        self._shown = showing.seconds
+        self.delays += self._animator.heard - self._shown
+        values = self._animator.frame(self._shown)
+        if self._recording is not None:
+            phone = self._animator.phones.at(self._shown)
+            self._recording.add_frame(self._shown, phone.label if phone else PAUSE, values)
+        return values
+
+    def _hear(self, samples: NDArray[np.float32]) -> None:
+        if len(samples):
+            self._animator.hear(samples)
+            if self._recording is not None:
+                self._recording.add_sound(samples)

@@ -1,0 +1,242 @@
+"""Where live sound comes from: a microphone, standard input or a pipe, a file that may still grow."""
+
+from __future__ import annotations
+
+import os
+import select
+import stat
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from mien.audio_files import read_audio
+from mien.errors import InputError, MissingPartError
+from mien.live.sounds import Inbox, PcmDecoder, PcmForm, StreamedSound
+from mien.speech.streaming_features import RATE
+
+__all__ = ["MicrophoneSource", "Pace", "SampleSource", "SoundSource", "StreamSource", "microphones", "open_source"]
+
+Pace = Literal["auto", "live", "stored"]
+"""``live``: what is late is caught up with; ``stored``: everything is shown at its own pace; ``auto``: stored if it
+comes much faster than it can have been spoken."""
+_PIECE = 8192  # bytes read at once
+_LOOK = 0.02  # seconds between looks at a file that may grow
+_FASTER, _WITHIN = 1.5, 0.5  # seconds of sound within seconds: more than that is no live source
+_BLOCK = 0.01  # seconds of a block of the microphone
+
+
+class SoundSource(Protocol):
+    """Fills an `Inbox` from a thread of its own."""
+
+    name: str
+    stored: bool
+    inbox: Inbox
+
+    def start(self) -> None:
+        """Begin."""
+
+    def stop(self) -> None:
+        """End; nothing is put into the inbox afterwards."""
+
+
+class SampleSource:
+    """Sound that is known already, shown at its own pace.
+
+    Parameters
+    ----------
+    samples : ndarray
+        16 kHz.
+    """
+
+    def __init__(self, samples: np.ndarray[Any, Any], name: str) -> None:
+        self.name, self.stored = name, True
+        self.inbox = Inbox(len(samples) / RATE + 1.0)
+        self._samples = np.asarray(samples, dtype=np.float32)
+
+    def start(self) -> None:
+        """Give everything."""
+        self.inbox.put(self._samples)
+        self.inbox.end()
+
+    def stop(self) -> None:
+        """Nothing to do."""
+
+
+class StreamSource:
+    """Bytes from a file descriptor: standard input, a pipe, or a file that another program still writes.
+
+    Parameters
+    ----------
+    opened : callable () -> int
+        Gives the descriptor; called by the thread that reads, since opening a named pipe waits for its writer.
+    raw : PcmForm
+        Of samples without a WAV header.
+    pace : Pace
+    follow : bool
+        Whether the end of what is there is not the end: it grows.
+    """
+
+    def __init__(
+        self, opened: Callable[[], int], name: str, raw: PcmForm, pace: Pace = "auto", follow: bool = False
+    ) -> None:
+        self.name, self.stored, self.inbox = name, pace == "stored", Inbox()
+        self._opened, self._sound, self._pace, self._follow = opened, StreamedSound(raw), pace, follow
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._read, name="sound", daemon=True)
+
+    def start(self) -> None:
+        """Begin to read."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End; a thread that waits in the opening of a pipe is left behind, as a daemon."""
+        self._stopping.set()
+        self.inbox.end()
+        self._thread.join(0.5)
+
+    def _read(self) -> None:
+        problem: BaseException | None = None
+        try:
+            self._read_from(self._opened())
+            if self._sound.form is None and not self._stopping.is_set():
+                problem = InputError(f"{self.name}: no sound came")
+        except InputError as found:
+            problem = InputError(f"{self.name}: {found}")
+        except OSError as found:
+            problem = InputError(f"{self.name} cannot be read: {found.strerror}")
+        self.inbox.end(problem)
+
+    def _read_from(self, descriptor: int) -> None:
+        began: float | None = None
+        while not self._stopping.is_set():
+            if not select.select([descriptor], [], [], 0.1)[0]:
+                continue
+            data = os.read(descriptor, _PIECE)
+            if not data:
+                if not self._follow:
+                    return
+                time.sleep(_LOOK)
+                continue
+            samples = self._sound.push(data)
+            began = time.monotonic() if began is None else began
+            if self._pace == "auto" and not self.stored:
+                arrived = (self.inbox.arrived + len(samples)) / RATE
+                self.stored = time.monotonic() - began < _WITHIN and arrived > _FASTER
+            if not self.stored:
+                self.inbox.put(samples)
+            elif not self.inbox.put_when_room(samples):
+                return
+
+
+class MicrophoneSource:
+    """A microphone, through PortAudio.
+
+    Parameters
+    ----------
+    device : str, int or None
+        Part of its name or its number (`microphones`); None: the system's own choice.
+
+    Raises
+    ------
+    MissingPartError
+        If PortAudio or a microphone is missing.
+    """
+
+    def __init__(self, device: str | int | None = None) -> None:
+        sounddevice = _sounddevice()
+        try:
+            facts = sounddevice.query_devices(device, "input")
+        except (ValueError, sounddevice.PortAudioError) as problem:
+            wanted = "no microphone was found" if device is None else f"there is no microphone {device!r}"
+            raise MissingPartError(
+                f"{wanted} ({problem}): see 'mien live --list-devices', or give sound otherwise: mien live FILE or '-'"
+            ) from problem
+        self.name, self.stored, self.inbox = str(facts["name"]), False, Inbox()
+        self.overflows = 0
+        rate = int(facts["default_samplerate"])
+        self._decoder = PcmDecoder(PcmForm(rate, 1, "f32le"))
+        self._stream: Any = None
+        self._settings = {"samplerate": rate, "device": device, "channels": 1, "dtype": "float32"}
+
+    def start(self) -> None:
+        """Begin to listen."""
+        sounddevice = _sounddevice()
+
+        def hear(block: Any, frames: int, time: Any, status: Any) -> None:
+            self.overflows += bool(status.input_overflow)
+            self.inbox.put(self._decoder.resampled(block[:, 0].copy()))
+
+        blocksize = round(self._decoder.form.rate * _BLOCK)
+        try:
+            self._stream = sounddevice.InputStream(
+                callback=hear, blocksize=blocksize, latency="low", finished_callback=self.inbox.end, **self._settings
+            )
+            self._stream.start()
+        except sounddevice.PortAudioError as problem:
+            raise MissingPartError(f"the microphone {self.name!r} cannot be opened: {problem}") from problem
+
+    def stop(self) -> None:
+        """End."""
+        if self._stream is not None:
+            self._stream.close()
+
+
+def _sounddevice() -> Any:
+    try:
+        import sounddevice
+    except ImportError as problem:
+        raise MissingPartError(
+            "a microphone needs the package sounddevice: pip install 'mien[live]'; or give sound otherwise: "
+            "mien live FILE, or '-' for standard input"
+        ) from problem
+    except OSError as problem:
+        raise MissingPartError(
+            "a microphone needs the library PortAudio (Debian, Ubuntu: apt install libportaudio2); or give sound "
+            "otherwise: mien live FILE, or '-' for standard input"
+        ) from problem
+    return sounddevice
+
+
+def microphones() -> list[str]:
+    """All inputs with their numbers.
+
+    Raises
+    ------
+    MissingPartError
+        If PortAudio is missing.
+    """
+    found = _sounddevice().query_devices()
+    return [f"{number}: {device['name']}" for number, device in enumerate(found) if device["max_input_channels"] > 0]
+
+
+def open_source(place: str, raw: PcmForm, pace: Pace = "auto", follow: bool = False) -> SoundSource:
+    """The sound of standard input (``-``), of a pipe, or of a file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is none that can be read.
+    """
+    if place == "-":
+        return StreamSource(lambda: 0, "standard input", raw, pace, follow)
+    path = Path(place)
+    try:
+        mode = path.stat().st_mode
+    except OSError as problem:
+        raise InputError(f"{place}: no such file or pipe") from problem
+    if stat.S_ISDIR(mode):
+        raise InputError(f"{place}: expected a sound file or a pipe, got a folder")
+    if stat.S_ISREG(mode) and not follow and not _is_raw(path):
+        audio, _ = read_audio(path)
+        return SampleSource(audio.resampled(RATE).samples, path.name)
+    if stat.S_ISREG(mode) and pace == "auto":
+        pace = "live" if follow else "stored"
+    return StreamSource(lambda: os.open(path, os.O_RDONLY), place, raw, pace, follow)
+
+
+def _is_raw(path: Path) -> bool:
+    return path.suffix.lower() in (".raw", ".pcm", ".s16", ".f32", "")

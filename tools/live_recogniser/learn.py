@@ -1,0 +1,222 @@
+"""Learns the live recogniser: writes src/mien/assets/live/recogniser.npz, the same bits for the same input and seed.
+
+    python tools/live_recogniser/learn.py SPEECH DATA GRID_CORPUS        about half an hour on one core
+
+SPEECH is what `speak.py` made. DATA holds emodb (two of its ten speakers are held out to watch the learning by) and
+GRID_CORPUS is grid-s1 imported by ``mien corpus import``. timit-sample is never read here: it is what the result is
+measured on (``benchmarks/live.py``). Every recording comes in several variations (`variations.py`), new ones in each
+round, so that the network hears more voices, microphones and rooms than there are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from variations import RATE, Line, varied
+
+from mien.corpus.corpus import Corpus
+from mien.models.descent import Adam
+from mien.speech.frame_classifier import FrameClassifier
+from mien.speech.phones import phone_table
+from mien.speech.streaming_features import CENTRE, COLUMNS, HOP, StreamingFeatures
+from mien.speech.utterance import PAUSE
+
+ROOT = Path(__file__).parents[2]
+LABELS = (PAUSE, *sorted(phone_table()))
+OFFSETS = np.array([-24, -19, -15, -12, -10, -8, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15])
+HELD_OUT = ("08", "15")  # speakers of EmoDB: a woman, a man
+BATCH, RATE_OF_LEARNING, DROPOUT, SMOOTHING = 512, 1.5e-3, 0.15, 0.05
+WHOLE_FUTURE = 0.4  # share of rows that are learned with all of their future
+
+Single = NDArray[np.float32]
+
+
+def main() -> None:
+    """Learn, and write the network after each pass."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("speech", type=Path)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("grid", type=Path)
+    parser.add_argument("--hidden", type=int, nargs="+", default=[384, 256, 256])
+    parser.add_argument("--rounds", type=int, default=4, help="variations of everything (default 4)")
+    parser.add_argument("--passes", type=int, default=2, help="through each of them (default 2)")
+    parser.add_argument("--out", default=str(ROOT / "src/mien/assets/live/recogniser.npz"))
+    options = parser.parse_args()
+    made, emodb, grid = list(synthetic(options.speech)), list(german(options.data)), list(british(options.grid))
+    held = [line for line in emodb if line.speaker in HELD_OUT]
+    emodb = [line for line in emodb if line.speaker not in HELD_OUT]
+    print(f"{len(made)} synthetic, {len(emodb)} German, {len(grid)} GRID lines; {len(held)} held out", flush=True)
+    random = np.random.default_rng(5)
+    test = heard([plain(line) for line in held])
+    learner: Learner | None = None
+    began = time.monotonic()
+    for number in range(options.rounds):
+        everything = made + emodb + grid
+        wide = {id(line): 2.5 if line.speaker != "grid" and not line.speaker.isdigit() else 1.5 for line in everything}
+        rows, labels, starts = heard([varied(line, everything, random, wide[id(line)]) for line in everything])
+        if learner is None:
+            learner = Learner(rows, labels, options.hidden, options.rounds * options.passes, random)
+            learner.log_follow = following(made)
+        for _ in range(options.passes):
+            learner.learn(rows, labels, starts)
+            network = learner.network()
+            print(number, round(time.monotonic() - began), *judged(network, *test), flush=True)
+            network.save(options.out)
+
+
+def synthetic(folder: Path) -> Iterator[Line]:
+    """What `speak.py` made."""
+    for path in sorted(folder.glob("*.npz")):
+        with np.load(path) as kept:
+            yield Line(
+                kept["samples"] / 32767.0,
+                tuple(str(label) for label in kept["labels"]),
+                kept["starts"],
+                kept["ends"],
+                str(kept["speaker"]),
+            )
+
+
+def german(data: Path) -> Iterator[Line]:
+    """EmoDB, its phones as the nearest English ones."""
+    sys.path.append(str(ROOT / "benchmarks"))
+    from hand_labels import emodb
+
+    for item in emodb(data / "emodb"):
+        yield _line(item.audio, item.phones, item.name[:2])
+
+
+def british(folder: Path) -> Iterator[Line]:
+    """A third of GRID's speaker 1."""
+    corpus = Corpus(folder)
+    for name in list(corpus.names)[::3]:
+        take = corpus.take(name)
+        if take.audio is not None:
+            yield _line(take.audio, take.phones, "grid")
+
+
+def _line(audio: object, phones: Sequence[object], speaker: str) -> Line:
+    labels = tuple(phone.label for phone in phones)
+    starts, ends = (np.array([getattr(phone, side) for phone in phones]) for side in ("start", "end"))
+    return Line(audio.resampled(RATE).samples.astype(np.float64), labels, starts, ends, speaker)
+
+
+def plain(line: Line) -> tuple[Line, float]:
+    """A line as it is."""
+    return line, 1.0
+
+
+def heard(lines: Sequence[tuple[Line, float]]) -> tuple[Single, NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and labels of all lines, and where each line begins and ends."""
+    rows, labels, starts = [], [], [0]
+    index = {label: number for number, label in enumerate(LABELS)}
+    for line, warp in lines:
+        found = StreamingFeatures(warp).push(line.samples)
+        times = CENTRE + np.arange(len(found)) * HOP / RATE
+        place = np.searchsorted(line.starts, times, side="right") - 1
+        inside = (place >= 0) & (times < line.ends[place])
+        codes = np.array([index[label] for label in line.labels])
+        labels.append(np.where(inside, codes[place], 0))
+        rows.append(found.astype(np.float32))
+        starts.append(starts[-1] + len(found))
+    return np.concatenate(rows), np.concatenate(labels), np.array(starts)
+
+
+def following(lines: Sequence[Line]) -> Single:
+    """Logarithm of how often each label follows each, every pair counted half a time more than it was heard."""
+    index = {label: number for number, label in enumerate(LABELS)}
+    counts = np.full((len(LABELS), len(LABELS)), 0.5)
+    for line in lines:
+        for one, other in pairwise(line.labels):
+            counts[index[one], index[other]] += 1
+    return np.log(counts / counts.sum(axis=1, keepdims=True)).astype(np.float32)
+
+
+class Learner:
+    """Gradient descent on the cross entropy, with the future of most rows cut off at random."""
+
+    def __init__(
+        self, rows: Single, labels: NDArray[np.int64], hidden: Sequence[int], passes: int, random: np.random.Generator
+    ) -> None:
+        self.random = random
+        self.mean, self.spread = rows.mean(axis=0), rows.std(axis=0) + np.float32(1e-3)
+        share = np.bincount(labels, minlength=len(LABELS)) / len(labels)
+        self.log_follow = np.zeros((len(LABELS), len(LABELS)), np.float32)
+        self.log_share = np.log(np.maximum(share, 1e-5)).astype(np.float32)
+        sizes = [len(OFFSETS) * (COLUMNS + 1), *hidden, len(LABELS)]
+        self.layers = [
+            (random.normal(0, np.sqrt(2 / a), (a, b)).astype(np.float32), np.zeros(b, np.float32))
+            for a, b in pairwise(sizes)
+        ]
+        steps = passes * (len(rows) // BATCH)
+        self.adam = Adam([array for layer in self.layers for array in layer], RATE_OF_LEARNING, steps)
+
+    def network(self) -> FrameClassifier:
+        """What was learned until now."""
+        layers = tuple((weights.copy(), bias.copy()) for weights, bias in self.layers)
+        return FrameClassifier(LABELS, OFFSETS, self.mean, self.spread, layers, self.log_share, self.log_follow)
+
+    def learn(self, rows: Single, labels: NDArray[np.int64], starts: NDArray[np.int64]) -> None:
+        """One pass."""
+        rows = (rows - self.mean) / self.spread
+        lengths = np.diff(starts)
+        first, last = np.repeat(starts[:-1], lengths), np.repeat(starts[1:], lengths)
+        order = self.random.permutation(len(rows))
+        for batch in np.split(order[: len(order) // BATCH * BATCH], len(order) // BATCH):
+            self.adam.step(self.slopes(self.inputs(rows, batch, first[batch], last[batch]), labels[batch]))
+
+    def inputs(
+        self, rows: Single, places: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
+    ) -> Single:
+        """What the network sees of some rows, with the future cut off at random and now and then a band left out."""
+        cut = self.random.integers(0, OFFSETS.max() + 1, len(places))
+        cut[self.random.random(len(places)) < WHOLE_FUTURE] = OFFSETS.max()
+        at = places[:, None] + OFFSETS
+        missing = (cut[:, None] < OFFSETS) | (at >= last[:, None])
+        seen = rows[np.clip(at, first[:, None], last[:, None] - 1)]
+        seen[missing] = 0
+        if self.random.random() < 0.5:  # a band that is not heard
+            band = self.random.integers(0, 36)
+            seen[:, :, band : band + self.random.integers(1, 7)] = 0
+        return np.concatenate([seen.reshape(len(places), -1), missing.astype(np.float32)], axis=1)
+
+    def slopes(self, inputs: Single, labels: NDArray[np.int64]) -> list[Single]:
+        """Slopes of the mean cross entropy on weights and biases, in order."""
+        passed, kept, value = [inputs], [], inputs
+        for weights, bias in self.layers[:-1]:
+            mask = (self.random.random((len(value), len(bias)), dtype=np.float32) > DROPOUT) / np.float32(1 - DROPOUT)
+            value = np.maximum(value @ weights + bias, 0) * mask
+            kept.append(mask)
+            passed.append(value)
+        value = value @ self.layers[-1][0] + self.layers[-1][1]
+        value = np.exp(value - value.max(axis=1, keepdims=True))
+        back = value / value.sum(axis=1, keepdims=True)
+        back -= SMOOTHING / len(LABELS)
+        back[np.arange(len(back)), labels] -= 1 - SMOOTHING
+        back /= len(back)
+        slopes: list[Single] = []
+        for number in range(len(self.layers) - 1, -1, -1):
+            slopes[:0] = [passed[number].T @ back, back.sum(axis=0)]
+            if number:
+                back = (back @ self.layers[number][0].T) * kept[number - 1] * (passed[number] > 0)
+        return slopes
+
+
+def judged(network: FrameClassifier, rows: Single, labels: NDArray[np.int64], starts: NDArray[np.int64]) -> list[str]:
+    """Share of rows with the right phone, as words to print."""
+    right = []
+    for first, last in pairwise(starts):
+        line = rows[first:last]
+        right.append(network.log_posteriors(line).argmax(axis=1) == labels[first:last])
+    return [f"{np.concatenate(right).mean():.3f}"]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+"""Makes speech with known phone times to learn the live recogniser from (`learn.py`).
+
+    npm pack kokoro-js@1.2.1
+    python tools/live_recogniser/speak.py kokoro-js-1.2.1.tgz SPEECH --number 600     about ten minutes on two cores
+
+Sentences of the recording script and rows of random dictionary words, spoken by the 28 English voices of Kokoro-82M
+(Apache-2.0), every second time by a mixture of two of them, and by Festival's voices where they are installed
+(BSD-like).
+What is there already is kept, so the work can be stopped and taken up again. Times come from the forced alignment, or
+from Festival itself. One ``.npz`` per line: samples (int16, 16 kHz), labels, starts, ends, speaker.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tarfile
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import MienError
+from mien.speech import synthesis
+from mien.speech.phones import phone_table
+from mien.speech.pronunciation import dictionary_entries
+from mien.speech.text import spoken_words
+from mien.speech.utterance import Utterance
+from mien.speech.voices import kokoro
+from mien.speech.voices.catalogue import catalogue
+
+RATE = 16_000
+SCRIPTED = 0.3  # share of lines that are sentences of the recording script
+FESTIVAL = ("festival-slt", "festival-kal")
+FESTIVAL_SHARE = 0.12
+
+
+def main() -> None:
+    """Speak what is not there yet."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("package", help="kokoro-js-1.2.1.tgz, which carries the voices' style vectors")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--number", type=int, default=600, help="lines (default 600)")
+    options = parser.parse_args()
+    styles = english_styles(options.package)
+    kokoro._styles = lambda: styles  # all voices in place of the four that ship
+    options.folder.mkdir(parents=True, exist_ok=True)
+    write = Lines()
+    for number in range(options.number):
+        random = np.random.default_rng([7, number])
+        path = options.folder / f"{number:04d}.npz"
+        if path.exists():
+            continue
+        text = write.line(random)
+        try:
+            utterance, speaker = spoken(text, styles, random)
+        except MienError as problem:
+            print(f"{number}: left out: {problem}", flush=True)
+            continue
+        phones = utterance.phones
+        np.savez_compressed(
+            path,
+            samples=np.round(utterance.audio.resampled(RATE).samples * 32767).astype(np.int16),
+            labels=np.array([phone.label for phone in phones]),
+            starts=np.array([phone.start for phone in phones]),
+            ends=np.array([phone.end for phone in phones]),
+            speaker=speaker,
+        )
+
+
+def english_styles(package: str) -> dict[str, NDArray[np.float16]]:
+    """Style vectors by voice; English voices begin with a or b, then f or m."""
+    styles = {}
+    with tarfile.open(package) as archive:
+        for member in archive.getmembers():
+            name = Path(member.name).stem
+            if "/voices/" in member.name and name[:3] in ("af_", "am_", "bf_", "bm_"):
+                content = archive.extractfile(member)
+                assert content is not None
+                styles[name] = np.frombuffer(content.read(), "<f4").reshape(-1, 256).astype(np.float16)
+    return dict(sorted(styles.items()))
+
+
+def spoken(text: str, styles: dict[str, NDArray[np.float16]], random: np.random.Generator) -> tuple[Utterance, str]:
+    """A line by a voice that is drawn, and that voice's name."""
+    if random.random() < FESTIVAL_SHARE:
+        name = str(random.choice(FESTIVAL))
+        if any(voice.name == name and voice.availability().installed for voice in catalogue()):
+            return synthesis.synthesise(text, voice=name), name
+    one, other = (str(name) for name in random.choice(sorted(n for n in styles if n != "mixed"), 2, replace=False))
+    share = float(random.uniform(0.2, 0.8)) if random.random() < 0.5 else 0.0
+    styles["mixed"] = ((1 - share) * styles[one] + share * styles[other]).astype(np.float16)
+    voice = kokoro.Kokoro("mixed")
+    words = spoken_words(text)
+    return synthesis._aligned(words, voice, voice.speak(words, 0)), one if not share else f"{one}+{other}"
+
+
+class Lines:
+    """Sentences of the script, and rows of words of the dictionary."""
+
+    def __init__(self) -> None:
+        script = (files("mien") / "assets" / "scripts" / "english.txt").read_text(encoding="utf-8")
+        self.sentences = [line.strip() for line in script.splitlines() if line.strip() and not line.startswith("#")]
+        self.common = sorted({word.strip(".,!?") for line in self.sentences for word in line.split()})
+        self.all = sorted({word for word, phones in dictionary_entries() if word.isalpha() and 3 <= len(phones) <= 8})
+        assert len(phone_table()) == 39
+
+    def line(self, random: np.random.Generator) -> str:
+        """One line."""
+        if random.random() < SCRIPTED:
+            return str(random.choice(self.sentences))
+        words = [
+            str(random.choice(self.common if random.random() < 0.55 else self.all))
+            for _ in range(random.integers(6, 12))
+        ]
+        return " ".join(words).lower().capitalize() + "."
+
+
+if __name__ == "__main__":
+    main()
