@@ -49,9 +49,7 @@ def test_the_length_in_a_header_is_not_believed() -> None:
 def test_raw_samples_of_every_form(form: str) -> None:
     whole = {"u8": (WAVE * 128 + 128).astype("u1"), "s16le": (WAVE * 2**15).astype("<i2"),
              "s32le": (WAVE * 2**31).astype("<i4"), "f32le": WAVE.astype("<f4"), "f64le": WAVE}  # fmt: skip
-    data = (
-        b"".join(struct.pack("<i", int(v * 2**23))[:3] for v in WAVE) if form == "s24le" else whole[form].tobytes()
-    )
+    data = b"".join(struct.pack("<i", int(v * 2**23))[:3] for v in WAVE) if form == "s24le" else whole[form].tobytes()
     np.testing.assert_allclose(PcmDecoder(PcmForm(16000, 1, form)).push(data), WAVE, atol=0.02)
 
 
