@@ -1,0 +1,45 @@
+"""The npm package `viewer`: its shared files are those of this mien, its own tests pass, and it holds what it should."""
+
+from __future__ import annotations
+
+import json
+
+from tools.viewer_files import FRAMES, tables, write
+
+from mien.live.frames import decode_frame
+from tests.node import ROOT, installed, run
+
+GOLDEN = ROOT / "viewer" / "test" / "golden"
+
+
+def test_tables_and_golden_bytes_are_those_of_this_version(tmp_path):
+    assert (ROOT / "viewer" / "src" / "tables.ts").read_text("utf-8") == tables(), "run python tools/viewer_files.py"
+    (tmp_path / "src").mkdir()
+    write(tmp_path)
+    for name in ("greeting.txt", "end.txt", "frames.bin", "values.json", "foreign.glb", "driven.glb"):
+        assert (GOLDEN / name).read_bytes() == (tmp_path / "test" / "golden" / name).read_bytes(), name
+
+
+def test_golden_frames_are_read_by_mien_too():
+    content, size = (
+        (GOLDEN / "frames.bin").read_bytes(),
+        16 + 4 * len(json.loads((GOLDEN / "values.json").read_text())["channels"]),
+    )
+    numbers = [decode_frame(content[at : at + size]).number for at in range(0, len(content), size)]
+    assert numbers == [0, 1, 2, 4, FRAMES - 1]
+
+
+def test_unit_tests_and_types():
+    folder = installed("viewer")
+    run("npm", "run", "types", folder=folder)
+    run("npm", "test", folder=folder)
+
+
+def test_what_is_packed():
+    folder = installed("viewer")
+    (packed,) = json.loads(run("npm", "pack", "--dry-run", "--json", "--silent", folder=folder).split("\n\n")[-1])
+    names = {file["path"] for file in packed["files"]}
+    assert {"package.json", "README.md", "dist/index.js", "dist/index.d.ts"} <= names
+    assert all(name.startswith("dist/") for name in names - {"package.json", "README.md"}), names
+    assert packed["size"] < 40_000
+    assert "dependencies" not in json.loads((folder / "package.json").read_text())

@@ -1,0 +1,106 @@
+"""Write what the npm package `viewer/` shares with mien: the tables of names, and the golden files of its tests.
+
+    python tools/viewer_files.py [FOLDER]
+
+FOLDER is the package (`viewer/` beside this folder). The results are committed; `tests/test_viewer_package.py` compares.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tomllib
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from tests.faces import tiny_animation, tiny_face
+
+from mien.channels import ALL, HEAD, WEIGHTS
+from mien.live.frames import END, Frame, Greeting, encode_frame
+from mien.output.driven_glb import drive_glb
+from mien.output.gltf import write_glb
+from mien.output.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
+from mien.output.native import write_native
+from mien.output.turning_nodes import _EYE_DEGREES
+
+FRAMES = 6
+
+
+def tables() -> str:
+    """The source of ``viewer/src/tables.ts``."""
+    names = tomllib.loads((resources.files("mien") / "assets" / "rigs" / "names.toml").read_text("utf-8"))
+
+    def table(content: object) -> str:
+        return json.dumps(content, indent=1, ensure_ascii=False)
+
+    degrees = {way.lower(): value for way, value in _EYE_DEGREES.items()}
+    sums = "Readonly<Record<string, Readonly<Record<string, number>>>>"
+    constants = {
+        "WEIGHTS: readonly string[]": WEIGHTS,
+        "HEAD: readonly string[]": HEAD,
+        f"SPELLINGS: {sums}": names["arkit"],
+        f"VISEMES: {sums}": names["visemes"],
+        "NODES: Readonly<Record<string, readonly string[]>>": names["nodes"],
+        "EYE_DEGREES: Readonly<Record<string, number>>": {way.lower(): value for way, value in _EYE_DEGREES.items()},
+    }
+    first = "// Written by tools/viewer_files.py from mien.channels and src/mien/assets/rigs/names.toml. Do not edit.\n"
+    return first + "".join(f"export const {name} = {table(value)};\n" for name, value in constants.items())
+
+
+def foreign_glb(path: Path) -> None:
+    """A triangle with targets spelt in another way, under a head bone that stands askew."""
+    buffer = GltfBuffer()
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
+    names = ["blendShape1.jaw_open", "browDown_L", "unknown"]
+    position = buffer.add(corners, ARRAY_BUFFER, bounds=True)
+    index = buffer.add(np.array([0, 1, 2], np.uint16), ELEMENT_ARRAY_BUFFER)
+    moved = [{"POSITION": buffer.add(corners * 0.1 * (n + 1), ARRAY_BUFFER, bounds=True)} for n in range(3)]
+    half = float(np.sqrt(0.5))
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"name": "hips", "children": [1], "rotation": [half, 0.0, 0.0, half]},
+            {"name": "mixamorig:Head", "children": [2], "rotation": [0.0, 0.0, half, half]},
+            {"name": "face", "mesh": 0},
+        ],
+        "meshes": [
+            {
+                "primitives": [{"attributes": {"POSITION": position}, "indices": index, "targets": moved}],
+                "extras": {"targetNames": names},
+            }
+        ],
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": len(buffer.data)}],
+    }
+    path.write_bytes(pack_glb(document, buffer.data))
+
+
+def write(folder: Path) -> None:
+    """Write all of it under the package's folder."""
+    (folder / "src" / "tables.ts").write_text(tables(), "utf-8")
+    golden = folder / "test" / "golden"
+    golden.mkdir(parents=True, exist_ok=True)
+    animation = tiny_animation(FRAMES)
+    write_native(animation, golden / "line.json")
+    write_glb(animation, tiny_face(), golden / "line.glb")
+    foreign_glb(golden / "foreign.glb")
+    drive_glb(animation.channels, golden / "foreign.glb", golden / "driven.glb")
+    greeting = Greeting(tuple(ALL), animation.rate.fps, {"text": animation.utterance.text, "seconds": 0.24})
+    times = animation.rate.times(FRAMES)
+    rows = animation.channels.values
+    frames = [Frame(number, float(times[number]), rows[number]) for number in (0, 1, 2, 4, 5)]  # one was passed over
+    (golden / "greeting.txt").write_text(greeting.encode(), "utf-8")
+    (golden / "end.txt").write_text(END, "utf-8")
+    (golden / "frames.bin").write_bytes(b"".join(encode_frame(frame) for frame in frames))
+    (golden / "values.json").write_text(json.dumps({"channels": ALL, "values": rows.tolist()}) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "viewer")
