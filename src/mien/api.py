@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mien.animation import Animation, imported
 from mien.audio import Audio
@@ -16,13 +17,15 @@ from mien.face.face import Face
 from mien.models.authored_prosody import DEFAULT_STRENGTH, AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
-from mien.pipeline import perform
 from mien.script.commands import CommandLibrary
 from mien.script.document import Script
 from mien.script.expression_parameters import read_expression_parameters
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
+
+if TYPE_CHECKING:
+    from mien.modules.spoken import Spoken
 
 __all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_text", "save", "say"]
 
@@ -92,16 +95,11 @@ def say(
     >>> mien.save(line, "line.mp4", "line.glb")  # doctest: +SKIP
     """
     from mien.modules.perform import perform_spoken
-    from mien.modules.speak import speak
-    from mien.modules.translate import translate
 
     if _split_auto(emotion)[1]:
         raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
-    library = _library(commands)
-    script = _script(text, library)
-    performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = translate(speak(script, voice, seed, library, language), library)
+    spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
     return perform_spoken(spoken, performer, rate, seed, score)
 
 
@@ -145,29 +143,90 @@ def animate(
         If the sound cannot be read or an option is not understood.
     """
     from mien.modules.perform import perform_spoken
-    from mien.modules.speak import speak_over
-    from mien.modules.translate import translate
 
     emotion, from_voice = _split_auto(emotion)
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
-    library = _library(commands)
     heard: tuple[Note, ...] = ()
     if from_voice:
         audio, read = _sound(audio)
-        score, note = _with_voice(score, audio)
+        score, note = score_with_voice(score, audio)
         performer.expression.check(score)
         heard = (*read, note)
+    spoken = spoken_recording(audio, performer, text=text, language=language, song=song, commands=commands, notes=heard)
+    return perform_spoken(spoken, performer, rate, seed, score)
+
+
+def spoken_text(
+    text: str | Path | Script,
+    performer: Performer,
+    *,
+    voice: str | None = None,
+    language: str | Path | None = None,
+    seed: int = 0,
+    commands: str | Path | Sequence[str | Path] = (),
+) -> Spoken:
+    """The first half of `say`: a text with a voice and all its direction in time, before anybody performs it.
+
+    Parameters
+    ----------
+    performer : Performer
+        Must have the emotions that the text asks for.
+    text, voice, language, seed, commands
+        As for `say`.
+
+    Raises
+    ------
+    InputError, MissingPartError
+        As `say`.
+    """
+    from mien.modules.speak import speak
+    from mien.modules.translate import translate
+
+    library = _library(commands)
+    script = _script(text, library)
+    performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
+    return translate(speak(script, voice, seed, library, language), library)
+
+
+def spoken_recording(
+    audio: str | Path | Audio,
+    performer: Performer,
+    *,
+    text: str | Path | Script | None = None,
+    language: str | Path | None = None,
+    song: bool = False,
+    commands: str | Path | Sequence[str | Path] = (),
+    notes: tuple[Note, ...] = (),
+) -> Spoken:
+    """The first half of `animate`: a recording with its words, phones and direction in time.
+
+    Parameters
+    ----------
+    performer : Performer
+        Must have the emotions that the text asks for.
+    audio, text, language, song, commands
+        As for `animate`.
+    notes : tuple of Note
+        What is known of the sound already.
+
+    Raises
+    ------
+    InputError
+        As `animate`.
+    """
+    from mien.modules.speak import speak_over
+    from mien.modules.spoken import Spoken
+    from mien.modules.translate import translate
+
+    library = _library(commands)
     if text is None:
-        return perform(_heard(audio, None, language, song).with_notes(*heard), score, performer, rate, seed)
+        return Spoken(_heard(audio, None, language, song).with_notes(*notes))
     script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = translate(
-        speak_over(
-            script, lambda words, spoken: _heard(audio, words, spoken, song).with_notes(*heard), library, language
-        ),
-        library,
+    spoken = speak_over(
+        script, lambda words, said: _heard(audio, words, said, song).with_notes(*notes), library, language
     )
-    return perform_spoken(spoken, performer, rate, seed, score)
+    return translate(spoken, library)
 
 
 def express(
@@ -430,8 +489,8 @@ def _split_auto(emotion: Emotions) -> tuple[Emotions, bool]:
     return (named, True) if len(named) < len(asked) else (emotion, False)
 
 
-def _with_voice(score: Score, audio: Audio) -> tuple[Score, Note]:
-    """The score with the emotions that are read from the voice, and a note on what was read."""
+def score_with_voice(score: Score, audio: Audio) -> tuple[Score, Note]:
+    """A score with the emotions that are read from a voice besides, and a note on what was read."""
     from mien.models.emotion_over_time import emotion_spans
 
     spans = emotion_spans(audio)

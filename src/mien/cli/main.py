@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, express, inspect, learn, live, modules, recolor, serve, stimuli
+from mien.cli import evaluate, express, inspect, learn, live, modules, recolor, serve, stimuli, studio
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.emotion import add_emotion_commands
@@ -109,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     add_emotion_commands(commands)
     serve.add_command(commands)
     live.add_command(commands)
+    studio.add_command(commands)
 
     modules.add_commands(commands)
     stimuli.add_commands(commands)

@@ -1,0 +1,128 @@
+"""Faces as GLB: the shipped one, and those that were uploaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from mien.errors import InputError
+from mien.studio.keeping import Kept, new_id
+from mien.studio.requests import FieldError
+from mien.studio.settings import Limits
+
+__all__ = ["DEFAULT_FACE", "FaceShelf", "ForeignFace"]
+
+DEFAULT_FACE = "default"
+
+
+@dataclass(frozen=True)
+class ForeignFace:
+    """An uploaded GLB.
+
+    Attributes
+    ----------
+    path : Path
+        Where it lies, under a name of the server's.
+    report : dict
+        What of it can be driven.
+    """
+
+    path: Path
+    report: dict[str, Any]
+
+
+class FaceShelf:
+    """The faces that a studio can show."""
+
+    def __init__(self, folder: Path, limits: Limits) -> None:
+        self._folder = folder
+        self._foreign: Kept[ForeignFace] = Kept(
+            "face", limits.faces, limits.kept_bytes, lambda face: face.path.unlink(missing_ok=True)
+        )
+        self._default: bytes | None = None
+        self._lock = Lock()
+
+    def default_glb(self) -> bytes:
+        """The shipped face at rest, every channel it has as a morph target of that name."""
+        with self._lock:
+            if self._default is None:
+                self._default = _resting_glb(self._folder / f"{new_id()}.glb")
+            return self._default
+
+    def add(self, content: bytes) -> tuple[str, ForeignFace]:
+        """Keep an uploaded GLB.
+
+        Raises
+        ------
+        FieldError
+            If it is none, or has no morph target that can be driven.
+        """
+        from mien.output.driven_glb import driven_meshes, read_chunks
+
+        path = self._folder / f"{new_id()}.glb"
+        path.write_bytes(content)
+        try:
+            document, _ = read_chunks(path)
+            if not any(recipe for mesh in driven_meshes(path, document) for recipe in mesh.recipes):
+                raise InputError("it has no morph target with a known name (ARKit, VRM or viseme): nothing could move")
+            face = ForeignFace(path, inspected(path))
+        except InputError as problem:
+            path.unlink()
+            raise FieldError("face", str(problem).replace(str(path), "the GLB")) from problem
+        except BaseException:
+            path.unlink()
+            raise
+        return self._foreign.put(face, len(content)), face
+
+    def glb(self, name: str) -> bytes:
+        """A face as GLB; raises `mien.studio.keeping.Missing`."""
+        return self.default_glb() if name == DEFAULT_FACE else self._foreign.get(name).path.read_bytes()
+
+    def to_write(self, name: object) -> str | Path:
+        """What `mien.save` takes for a face of the page's; None is the shipped one.
+
+        Raises
+        ------
+        FieldError
+            If there is none of this id.
+        """
+        if name is None or name == DEFAULT_FACE:
+            return DEFAULT_FACE
+        if not isinstance(name, str) or name not in self._foreign:
+            raise FieldError("face", "there is no such face (any more): open the GLB again")
+        return self._foreign.get(name).path
+
+
+def inspected(path: Path) -> dict[str, Any]:
+    """What of a GLB's morph targets and nodes can be driven: by mesh, target and channel."""
+    from mien.output.driven_glb import driven_meshes, read_chunks
+    from mien.output.turning_nodes import turning_nodes
+
+    document, _ = read_chunks(path)
+    meshes: list[dict[str, Any]] = []
+    for mesh in driven_meshes(path, document):
+        pairs = list(zip(mesh.targets, mesh.recipes, strict=True))
+        driven = {name: dict(recipe) for name, recipe in pairs if recipe}
+        meshes.append({"mesh": mesh.name, "driven": driven, "unknown": [name for name, recipe in pairs if not recipe]})
+    nodes = {part: document["nodes"][number]["name"] for part, number in turning_nodes(document).items()}
+    return {"meshes": meshes, "nodes": nodes}
+
+
+def _resting_glb(path: Path) -> bytes:
+    from mien import channels
+    from mien.animation import imported
+    from mien.face.library import load_face
+    from mien.output.gltf import write_glb
+    from mien.timeline import FrameRate
+    from mien.tracks import ChannelTrack
+
+    rest = ChannelTrack(channels.ALL, np.zeros((1, len(channels.ALL))), FrameRate.of(30))
+    try:
+        write_glb(imported(rest, "the studio"), load_face("default"), path)
+        return path.read_bytes()
+    finally:
+        path.unlink(missing_ok=True)

@@ -1,0 +1,138 @@
+"""Files that exports made, until they give way to newer ones."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mien import api
+from mien.animation import Animation
+from mien.errors import InputError
+from mien.output.registry import EXPORTERS
+from mien.studio.jobs import Job
+from mien.studio.keeping import Kept, new_id
+from mien.studio.requests import FieldError
+from mien.studio.settings import Limits
+
+__all__ = ["ResultFile", "ResultShelf", "checked_formats", "file_stem"]
+
+
+@dataclass(frozen=True)
+class ResultFile:
+    """One file to fetch.
+
+    Attributes
+    ----------
+    path : Path
+        Where it lies, in a folder of its own under a name of the server's.
+    name : str
+        What to call it: letters, digits and hyphens of the line, and the suffix.
+    """
+
+    path: Path
+    name: str
+
+
+class ResultShelf:
+    """Writes results and keeps them."""
+
+    def __init__(self, folder: Path, limits: Limits) -> None:
+        self._folder = folder
+        self._files: Kept[ResultFile] = Kept("file", limits.files, limits.kept_bytes, _removed)
+
+    def get(self, name: str) -> ResultFile:
+        """A result by its id; raises `mien.studio.keeping.Missing`."""
+        return self._files.get(name)
+
+    def export(self, animation: Animation, formats: Sequence[str], face: str | Path, job: Job) -> tuple[str, str]:
+        """Write an animation in some formats; gives the id and the name of the file, a .zip if there are several.
+
+        Raises
+        ------
+        InputError
+            If a format cannot be written, for instance a video of a foreign GLB.
+        """
+        folder = self._folder / new_id()
+        folder.mkdir()
+        try:
+            made = [self._written(animation, suffix, folder, face, job, n, len(formats)) for n, suffix in
+                    enumerate(formats)]  # fmt: skip
+            result = made[0] if len(made) == 1 else _zipped(made, folder / f"{file_stem(animation)}.zip")
+            job.at("done", 1.0)
+            size = sum(path.stat().st_size for path in folder.iterdir())
+            return self._files.put(ResultFile(result, result.name), size), result.name
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+
+    @staticmethod
+    def _written(
+        animation: Animation, suffix: str, folder: Path, face: str | Path, job: Job, number: int, count: int
+    ) -> Path:
+        path = folder / f"{file_stem(animation)}{suffix}"
+        job.at(f"writing {suffix}", number / count)
+
+        def progress(done: int, total: int) -> None:
+            job.at(f"writing {suffix}", (number + done / total) / count)
+
+        try:
+            api.save(animation, path, face=face, progress=progress)
+        except InputError as problem:
+            told = str(problem).replace(str(path), path.name).replace(str(face), "the face")
+            raise InputError(told) from problem
+        return path
+
+
+def checked_formats(asked: object) -> tuple[str, ...]:
+    """The suffixes of formats, each once, as they are spelt.
+
+    Raises
+    ------
+    FieldError
+        If there is none, or one is not known.
+
+    Examples
+    --------
+    >>> checked_formats([".GLB", ".textgrid"])
+    ('.glb', '.TextGrid')
+    """
+    known = {exporter.suffix.lower(): exporter.suffix for exporter in EXPORTERS}
+    if not isinstance(asked, list) or not asked or not all(isinstance(one, str) for one in asked):
+        raise FieldError("formats", f"expected a list of formats out of {', '.join(known.values())}")
+    for one in asked:
+        if one.lower() not in known:
+            raise FieldError("formats", f"unknown format {one[:20]!r}; known: {', '.join(known.values())}")
+    return tuple(dict.fromkeys(known[one.lower()] for one in asked))
+
+
+def file_stem(animation: Animation) -> str:
+    """A file name from the first words of a line: ASCII letters, digits and hyphens only.
+
+    Examples
+    --------
+    >>> from mien.animation import imported
+    >>> from mien.timeline import FrameRate
+    >>> from mien.tracks import ChannelTrack
+    >>> file_stem(imported(ChannelTrack(("jawOpen",), [[0.0]], FrameRate.of(25)), "test"))
+    'line'
+    """
+    words = re.findall(r"[a-z0-9]+", animation.utterance.text.lower())
+    stem = "-".join(words[:6])[:40].strip("-")
+    return stem or "line"
+
+
+def _zipped(paths: Sequence[Path], path: Path) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
+        for one in paths:
+            archive.write(one, one.name)
+    for one in paths:
+        one.unlink()
+    return path
+
+
+def _removed(file: ResultFile) -> None:
+    shutil.rmtree(file.path.parent, ignore_errors=True)

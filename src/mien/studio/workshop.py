@@ -1,0 +1,154 @@
+"""`Workshop`: everything the studio holds and does, without a word of HTTP.
+
+Models are loaded once, when first needed. What was spoken is kept for a while, so that a line in another emotion need
+not be spoken again. All work here runs in the threads of the `JobPool`.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+from mien import api
+from mien.audio import Audio
+from mien.errors import Note
+from mien.models.authored_prosody import AuthoredProsody
+from mien.models.performer import Performer
+from mien.models.performers import load_performer
+from mien.modules.perform import perform_spoken
+from mien.modules.spoken import Spoken
+from mien.studio.faces import FaceShelf
+from mien.studio.jobs import Job, JobPool
+from mien.studio.keeping import Kept
+from mien.studio.requests import FieldError, TakeRequest
+from mien.studio.results import ResultShelf
+from mien.studio.settings import Limits
+from mien.studio.takes import Basis, Source, Take
+
+__all__ = ["Workshop"]
+
+_SPOKEN_KEPT = 8
+
+
+class Workshop:
+    """Takes, faces, results and jobs of one running studio.
+
+    Parameters
+    ----------
+    limits : Limits
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.folder = Path(tempfile.mkdtemp(prefix="mien-studio-"))
+        self.jobs = JobPool(limits)
+        self.takes: Kept[Take] = Kept("take", limits.takes, limits.kept_bytes)
+        self.faces = FaceShelf(self.folder, limits)
+        self.results = ResultShelf(self.folder, limits)
+        self._performers: dict[tuple[str, str | None], Performer] = {}
+        self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
+        self._lock = RLock()
+
+    def close(self) -> None:
+        """Stop all jobs and remove everything from the disk."""
+        self.jobs.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def warm_up(self, job: Job) -> dict[str, Any]:
+        """Load what the first line needs: the face, the performer, the voice."""
+        self.faces.default_glb()
+        job.at("voice", 0.5)
+        self.perform(TakeRequest.of({"text": "Hello."}, self.limits), None, job)
+        return {}
+
+    # ------------------------------------------------------------ takes
+
+    def start_take(self, request: TakeRequest, sound: Audio | None = None, notes: tuple[Note, ...] = ()) -> str:
+        """Queue a new take; returns the job's id. ``notes`` are what is known of the sound."""
+        source = None if sound is None else Source(sound, notes)
+        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job))})
+
+    def start_redo(self, name: str, changes: dict[str, Any]) -> str:
+        """Queue a take like another with some fields of the request changed."""
+        take = self.takes.get(name)
+        source = take.basis.source
+        request = take.basis.request.changed(changes, self.limits, with_sound=source is not None)
+        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job))})
+
+    def start_export(self, name: str, formats: Sequence[str], asked: dict[str, Any]) -> str:
+        """Queue the writing of files."""
+        animation = self.takes.get(name).animation
+        face = self.faces.to_write(asked.get("face"))
+
+        def work(job: Job) -> dict[str, Any]:
+            made, called = self.results.export(animation, formats, face, job)
+            return {"file": f"/api/files/{made}/{called}"}
+
+        return self.jobs.start(work)
+
+    def _kept(self, take: Take) -> str:
+        return self.takes.put(take, take.size)
+
+    def perform(self, request: TakeRequest, source: Source | None, job: Job) -> Take:
+        """Speak or hear a line, and perform it."""
+        job.at("performer", 0.02)
+        performer = self._performer(request)
+        emotions = [one for one in request.emotion if one != "auto"]
+        _, score, rate = api.prepared(performer, emotions, request.fps, request.seed, request.prosody)
+        performer = replace(performer, prosody=AuthoredProsody(request.prosody))
+        job.at("listening" if source is not None else "voice", 0.1)
+        spoken = self._speech(request, source, performer)
+        if spoken.utterance.duration > self.limits.seconds:
+            told = f"{spoken.utterance.duration:.0f} s of sound; the studio takes {self.limits.seconds:.0f} s"
+            raise FieldError("text", f"the line makes {told}")
+        if "auto" in request.emotion and source is not None:
+            job.at("emotion", 0.5)
+            score, note = api.score_with_voice(score, source.sound)
+            performer.expression.check(score)
+            spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
+        job.at("motion", 0.6)
+        animation = perform_spoken(spoken, performer, rate, request.seed, score)
+        return Take(Basis(request, source, spoken, animation.score, performer, rate), animation)
+
+    def _performer(self, request: TakeRequest) -> Performer:
+        key = request.performer, request.speech_model
+        with self._lock:
+            if key not in self._performers:
+                self._performers[key] = load_performer(*key)
+            return self._performers[key]
+
+    def _speech(self, request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+        """What is said and when: of the voice, or in the sound; as before, if it was asked for a short while ago."""
+        sound = "" if source is None else source.digest
+        asked = (request.text, request.voice, request.language, request.seed, request.song, sound, request.performer)
+        return self._remembered(repr(asked), lambda: self._spoken_now(request, source, performer))
+
+    def _remembered(self, key: str, make: Callable[[], Spoken]) -> Spoken:
+        if key in self._spoken:
+            return self._spoken.get(key)
+        made = make()
+        self._spoken.put(made, name=key)
+        return made
+
+    @staticmethod
+    def _spoken_now(request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+        if source is None:
+            return api.spoken_text(
+                request.text, performer, voice=request.voice, language=request.language, seed=request.seed
+            )
+        from mien.script.reading import read_script
+
+        text = read_script(request.text) if request.text.strip() else None  # a Script: never the name of a file
+        return api.spoken_recording(
+            source.sound,
+            performer,
+            text=text,
+            language=request.language,
+            song=request.song,
+            notes=source.notes,
+        )

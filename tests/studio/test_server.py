@@ -1,0 +1,99 @@
+"""The contract of the studio's HTTP interface, end to end with the real voice and performer."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from mien import channels
+from tests.studio.client import Client, form, studio
+
+LINE = "I never said that."
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    with studio() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def take(client: Client) -> str:
+    return client.take(text=LINE, emotion="angry:0.7", fps=30)
+
+
+def test_it_tells_what_it_offers(client: Client) -> None:
+    told = client.ask("GET", "/api/about").json
+    assert told["performers"][0] == "default"
+    assert "happy" in told["emotions"]
+    assert [channel["name"] for channel in told["channels"]] == list(channels.ALL)
+    assert ".mp4" in told["exports"]
+    assert told["limits"]["text_characters"] == client.workshop.limits.text_characters
+
+
+def test_the_default_face_has_every_channel_of_the_muscles_and_the_tongue(client: Client) -> None:
+    answer = client.ask("GET", "/api/faces/default.glb")
+    assert answer.headers["content-type"] == "model/gltf-binary"
+    assert answer.body[:4] == b"glTF"
+    assert all(name.encode() in answer.body for name in channels.WEIGHTS)
+
+
+def test_a_take_is_told_with_its_words_phones_and_emotions(client: Client, take: str) -> None:
+    told = client.ask("GET", f"/api/takes/{take}").json
+    assert [word for _, _, word in told["words"]] == ["i", "never", "said", "that"]
+    assert told["phones"][0][0] == 0
+    assert told["phones"][-1][1] == pytest.approx(told["seconds"])
+    assert told["emotions"][0]["name"] == "angry"
+    assert told["request"]["text"] == LINE
+    assert told["revision"] == 1
+
+
+def test_frames_are_those_of_the_library(client: Client, take: str) -> None:
+    import mien
+
+    answer = client.ask("GET", f"/api/takes/{take}/frames")
+    told = client.ask("GET", f"/api/takes/{take}").json
+    frames = np.frombuffer(answer.body, "<f4").reshape(told["frames"], len(told["channels"]))
+    same = mien.say(LINE, emotion="angry:0.7", fps=30).channels.values.astype("<f4")
+    assert np.array_equal(frames, same)
+
+
+def test_the_sound_comes_whole_and_in_parts(client: Client, take: str) -> None:
+    whole = client.ask("GET", f"/api/takes/{take}/sound.wav")
+    part = client.ask("GET", f"/api/takes/{take}/sound.wav", Range="bytes=10-19")
+    assert whole.body[:4] == b"RIFF"
+    assert part.status == 206
+    assert part.body == whole.body[10:20]
+    assert client.ask("GET", f"/api/takes/{take}/sound.wav", Range="bytes=999999999-").status == 416
+
+
+def test_another_emotion_does_not_speak_again(client: Client, take: str) -> None:
+    told = client.finished(client.ask("POST", f"/api/takes/{take}/redo", {"emotion": "sad"}))
+    again = client.ask("GET", f"/api/takes/{told['take']}").json
+    assert again["emotions"][0]["name"] == "sad"
+    old, new = (client.workshop.takes.get(name) for name in (take, told["take"]))
+    assert new.animation.utterance.audio is old.animation.utterance.audio
+
+
+def test_an_uploaded_sound_is_performed(client: Client, take: str) -> None:
+    sound = client.ask("GET", f"/api/takes/{take}/sound.wav").body
+    body, kind = form({"text": LINE, "emotion": "happy:0.5", "fps": "25"}, sound)
+    told = client.finished(client.ask("POST", "/api/takes", body, Content_Type=kind))
+    again = client.ask("GET", f"/api/takes/{told['take']}").json
+    assert again["from_sound"]
+    assert again["fps"] == 25
+    assert [word for _, _, word in again["words"]] == ["i", "never", "said", "that"]
+
+
+def test_one_format_is_a_file_and_several_are_an_archive(client: Client, take: str) -> None:
+    one = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".csv"]}))
+    file = client.ask("GET", one["file"])
+    assert file.body.startswith(b"Timecode")
+    assert file.headers["content-disposition"].startswith('attachment; filename="i-never-said-that.csv"')
+    two = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".TextGrid", ".json"]}))
+    with zipfile.ZipFile(io.BytesIO(client.ask("GET", two["file"]).body)) as archive:
+        assert archive.namelist() == ["i-never-said-that.TextGrid", "i-never-said-that.json"]
