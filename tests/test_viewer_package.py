@@ -1,4 +1,4 @@
-"""The npm package `viewer`: its shared files are those of this mien, its own tests pass, and it holds what it should."""
+"""The npm package `viewer`: its shared files are those of this mien, its own tests pass, it holds what it should."""
 
 from __future__ import annotations
 

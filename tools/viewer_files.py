@@ -2,7 +2,7 @@
 
     python tools/viewer_files.py [FOLDER]
 
-FOLDER is the package (`viewer/` beside this folder). The results are committed; `tests/test_viewer_package.py` compares.
+FOLDER is the package (`viewer/` beside this folder). Its files are committed; `tests/test_viewer_package.py` compares.
 """
 
 from __future__ import annotations
@@ -37,7 +37,6 @@ def tables() -> str:
     def table(content: object) -> str:
         return json.dumps(content, indent=1, ensure_ascii=False)
 
-    degrees = {way.lower(): value for way, value in _EYE_DEGREES.items()}
     sums = "Readonly<Record<string, Readonly<Record<string, number>>>>"
     constants = {
         "WEIGHTS: readonly string[]": WEIGHTS,
