@@ -15,12 +15,23 @@ def add_commands(commands: Any) -> None:
     stimuli.add_argument("design", metavar="TABLE.csv", help="one row for each stimulus; levels a|b are crossed")
     stimuli.add_argument("--lists", type=int, default=0, help="also write so many counterbalanced lists")
     _add_work(stimuli)
+    stimuli.add_argument(
+        "--also", metavar="SUFFIX", action="append", default=[], help="write this format too, such as .glb; repeatable"
+    )
     stimuli.set_defaults(run=_stimuli)
     batch = commands.add_parser("batch", help="say every line of a text file")
     batch.add_argument("lines", metavar="LINES.txt", help="one text for each line; tags as in docs/script.md")
-    for name in ("voice", "emotion", "fps", "performer"):
+    for name in ("voice", "emotion", "fps", "performer", "face"):
         batch.add_argument(f"--{name}", default="", help=f"{name} of all lines, as for mien say")
     batch.add_argument("--seed", type=int, default=0, help="seed of all lines (default 0)")
+    batch.add_argument(
+        "--format",
+        metavar="SUFFIX",
+        dest="formats",
+        action="append",
+        default=[],
+        help="what is written for each line, such as .glb or .csv; repeatable (default .mp4)",
+    )
     _add_work(batch)
     batch.set_defaults(run=_batch)
 
@@ -35,7 +46,11 @@ def _add_work(parser: Any) -> None:
 def _stimuli(options: argparse.Namespace) -> int:
     from mien.stimuli import read_design
 
-    return _make(read_design(options.design), options, options.lists)
+    return _make(read_design(options.design), options, options.lists, _suffixes(options.also), True)
+
+
+def _suffixes(given: list[str]) -> list[str]:
+    return [suffix if suffix.startswith(".") else f".{suffix}" for suffix in dict.fromkeys(given)]
 
 
 def _batch(options: argparse.Namespace) -> int:
@@ -47,7 +62,7 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.stimuli import Stimulus
 
     lines = read_text(Path(options.lines)).splitlines()
-    chosen = {name: getattr(options, name) for name in ("voice", "fps", "performer") if getattr(options, name)}
+    chosen = {name: getattr(options, name) for name in ("voice", "fps", "performer", "face") if getattr(options, name)}
     if options.emotion:
         span = EmotionSpan.parse(options.emotion)
         if not isinstance(span.intensity, float) or span.start is not None or span.end is not None:
@@ -62,10 +77,12 @@ def _batch(options: argparse.Namespace) -> int:
     ]
     if not stimuli:
         raise InputError(f"{options.lines}: no line in it")
-    return _make(stimuli, options, 0)
+    formats = _suffixes(options.formats) or [".mp4"]
+    others = [suffix for suffix in formats if suffix.lower() != ".mp4"]
+    return _make(stimuli, options, 0, others, len(others) < len(formats))
 
 
-def _make(stimuli: Any, options: argparse.Namespace, lists: int) -> int:
+def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[str], picture: bool) -> int:
     from tqdm import tqdm
 
     from mien.stimuli import make_stimuli
@@ -80,6 +97,8 @@ def _make(stimuli: Any, options: argparse.Namespace, lists: int) -> int:
             stimuli,
             options.output,
             lists=lists,
+            formats=formats,
+            picture=picture,
             workers=options.workers,
             cluster=options.cluster,
             progress=progress,

@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from queue import Queue
 from threading import Thread
-from typing import Any
+from typing import Any, Protocol
 
 import av
 import numpy as np
@@ -23,12 +23,23 @@ from mien.audio import Audio
 from mien.errors import InputError, Note, OutputError
 from mien.face.deformers import poser_for
 from mien.face.face import Face
+from mien.face.posing import PosedFace
 from mien.files import replace_when_complete
 from mien.render.renderer import Renderer
 
-__all__ = ["write_frames", "write_video"]
+__all__ = ["Pictures", "write_frames", "write_video"]
 
 Picture = NDArray[np.uint8]
+
+
+class Pictures(Protocol):
+    """What draws a posed face."""
+
+    def render(self, posed: PosedFace) -> Picture:
+        """Draw one."""
+        ...
+
+
 # Constant quality (lower is better), speed of the encoder, and seconds between frames that one can jump to.
 _QUALITY, _PRESET, _SECONDS_PER_KEY = "18", "veryfast", 2
 _AAC_RATES = (96000, 88200, 64000, 48000, 44100, 32000, 24000, 22050, 16000, 12000, 11025, 8000)
@@ -44,6 +55,7 @@ def write_video(
     width: int = 1280,
     height: int = 720,
     progress: Callable[[int, int], None] | None = None,
+    renderer: Pictures | None = None,
 ) -> tuple[Note, ...]:
     """Render an animation into an MP4 file with its sound.
 
@@ -57,6 +69,8 @@ def write_video(
         Pixels, both even.
     progress : callable, optional
         Called with (frames done, frames in all).
+    renderer : Renderer or what renders like one, optional
+        Of this face, ``width`` and ``height``; the portrait otherwise.
 
     Returns
     -------
@@ -74,7 +88,7 @@ def write_video(
     if len(track) == 0:
         raise InputError(f"cannot write {path}: the animation has no frames")
     _check_size(width, height)
-    poser, renderer = poser_for(face, track.names), Renderer(face, width, height)
+    poser, renderer = poser_for(face, track.names), renderer or Renderer(face, width, height)
 
     def pictures() -> Iterator[Picture]:
         for number, row in enumerate(track.values):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mien.errors import InputError
 from mien.face.face import Face
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "head_extent"]
 
 # The eyes lie about half-way up a head; so the crown's height over the eyes, times these, frames head and shoulders.
 _FIELD, _CENTRE, _WIDTH = 2.75, -0.2, 2.0
@@ -55,22 +55,28 @@ class Camera:
     @classmethod
     def portrait(cls, face: Face, aspect: float = 16 / 9) -> Camera:
         """Head and shoulders, centred, for a picture of ``aspect`` = width / height."""
-        crown, middle, front = _head(face)
+        crown, middle, front = head_extent(face)
         field = _FIELD * crown
         return cls((middle, _CENTRE * crown, front / 2), _DISTANCE_MM, max(field, _WIDTH * crown / aspect))
 
     @classmethod
     def head_shot(cls, face: Face, aspect: float = 1.0) -> Camera:
         """The head alone, as large as it goes with room to turn."""
-        crown, middle, front = _head(face)
+        crown, middle, front = head_extent(face)
         field = max(_HEAD_FIELD * crown, _HEAD_WIDTH * crown / aspect)
         return cls((middle, _HEAD_CENTRE * crown, front / 2), _DISTANCE_MM, field)
 
     @classmethod
     def close_up(cls, face: Face, aspect: float = 16 / 9) -> Camera:
         """The mouth and what moves with it, from just below the eyes to the chin."""
-        crown, middle, front = _head(face)
+        crown, middle, front = head_extent(face)
         return cls((middle, -0.58 * crown, front), _DISTANCE_MM / 2, max(0.9 * crown, 0.9 * crown / aspect))
+
+    @classmethod
+    def eyes(cls, face: Face, aspect: float = 16 / 9) -> Camera:
+        """The eyes and brows."""
+        crown, middle, front = head_extent(face)
+        return cls((middle, 0.06 * crown, front), _DISTANCE_MM / 2, max(0.55 * crown, 1.2 * crown / aspect))
 
     def turned(self, yaw: float, pitch: float = 0.0) -> Camera:
         """The same camera gone round its target by further degrees."""
@@ -92,7 +98,7 @@ class Camera:
         return height * self.distance / self.field_mm
 
 
-def _head(face: Face) -> tuple[float, float, float]:
+def head_extent(face: Face) -> tuple[float, float, float]:
     """Height of the crown over the eyes, middle across, and front, of what turns with the head; mm."""
     moved = [part.vertices[part.head_weight > 0.5] for part in face.parts]
     points = np.concatenate([piece for piece in moved if len(piece)] or [np.zeros((1, 3), np.float32)])

@@ -107,6 +107,10 @@ class Renderer:
             )  # fmt: skip
         return picture
 
+    def empty(self) -> Picture:
+        """The background alone, shape (height, width, 3)."""
+        return np.ascontiguousarray(np.tile(self._backdrop, (1, -(-self.width // 8), 1))[:, : self.width])
+
     def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         given, expected = [len(p.vertices) for p in posed.parts], np.diff(self.scene.starts).tolist()
         if given != expected:
@@ -155,5 +159,7 @@ def _background(
     top, bottom = lighting.background.astype(np.float64)
     linear = (top + down * (bottom - top)).astype(np.float32)
     steps = (np.sqrt(np.minimum(linear, 1.0)) * (SRGB_STEPS - 1) + 0.5).astype(int)
-    dither = noise[np.arange(height) & 7][:, :, None]
+    # One colour has no steps to hide, and comes out as it was asked for.
+    rows = np.full_like(noise, 0.5) if np.array_equal(top, bottom) else noise
+    dither = rows[np.arange(height) & 7][:, :, None]
     return linear, np.minimum(SRGB_BYTES[steps][:, None, :] + dither, 255).astype(np.uint8)
