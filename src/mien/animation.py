@@ -7,6 +7,7 @@ from importlib.metadata import version
 
 from mien.audio import Audio
 from mien.channels import ALL
+from mien.edits.applied import AppliedEdits
 from mien.errors import Note
 from mien.script.score import Score
 from mien.speech.utterance import PAUSE, Utterance
@@ -41,6 +42,8 @@ class Animation:
         The direction it follows.
     provenance : Provenance
     notes : tuple of Note
+    edits : AppliedEdits or None
+        The layer of edits that lies on it, and what was there before (``docs/edits.md``).
     """
 
     channels: ChannelTrack
@@ -49,6 +52,7 @@ class Animation:
     score: Score
     provenance: Provenance
     notes: tuple[Note, ...] = ()
+    edits: AppliedEdits | None = None
 
     @property
     def rate(self) -> FrameRate:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mien.animation import Animation, imported
 from mien.audio import Audio
 from mien.audio_files import read_audio
+from mien.edits import EMPTY, EditLayer, read_layer
 from mien.errors import InputError, Note
 from mien.face.face import Face
 from mien.models.authored_prosody import DEFAULT_STRENGTH, AuthoredProsody
@@ -49,6 +50,7 @@ def say(
     speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
+    edits: EditLayer | str | Path | None = None,
 ) -> Animation:
     """Speak a text with a synthetic voice and perform it.
 
@@ -80,6 +82,9 @@ def say(
         How much brows and head go with the accents and phrase ends of the voice: 0 (or ``"off"``) to 1.
     commands : path-like or sequence of path-like
         Folders with command files of your own (``docs/commands.md``).
+    edits : EditLayer, path-like or None
+        Edits by hand, or a file of them (``docs/edits.md``); ``edits.lost`` of the result lists what of them has no
+        place in this line.
 
     Raises
     ------
@@ -98,9 +103,10 @@ def say(
 
     if _split_auto(emotion)[1]:
         raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
+    layer = _layer(edits)
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
-    return perform_spoken(spoken, performer, rate, seed, score)
+    return perform_spoken(spoken, performer, rate, seed, score, layer)
 
 
 def animate(
@@ -116,6 +122,7 @@ def animate(
     speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
     commands: str | Path | Sequence[str | Path] = (),
+    edits: EditLayer | str | Path | None = None,
 ) -> Animation:
     """Perform recorded speech.
 
@@ -134,7 +141,7 @@ def animate(
     emotion
         As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
         (``docs/emotion.md``), neutral where it is not sure.
-    fps, seed, performer, speech_model, prosody, commands
+    fps, seed, performer, speech_model, prosody, commands, edits
         As for `say`.
 
     Raises
@@ -145,6 +152,7 @@ def animate(
     from mien.modules.perform import perform_spoken
 
     emotion, from_voice = _split_auto(emotion)
+    layer = _layer(edits)
     performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
     heard: tuple[Note, ...] = ()
     if from_voice:
@@ -153,7 +161,7 @@ def animate(
         performer.expression.check(score)
         heard = (*read, note)
     spoken = spoken_recording(audio, performer, text=text, language=language, song=song, commands=commands, notes=heard)
-    return perform_spoken(spoken, performer, rate, seed, score)
+    return perform_spoken(spoken, performer, rate, seed, score, layer)
 
 
 def spoken_text(
@@ -409,6 +417,14 @@ def _file_or_text(text: str | Path) -> str | Path:
     if isinstance(text, Path) and text.suffix.lower() in _DOCUMENTS:
         return text
     return read_text(text)
+
+
+def _layer(edits: EditLayer | str | Path | None) -> EditLayer:
+    if edits is None or isinstance(edits, EditLayer):
+        return edits or EMPTY
+    if not isinstance(edits, (str, Path)):
+        raise InputError(f"expected a layer of edits or the path of its file, got {type(edits).__name__}")
+    return read_layer(edits)
 
 
 def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:

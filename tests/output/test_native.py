@@ -15,6 +15,8 @@ from hypothesis.extra import numpy as nps
 
 from mien.animation import Animation, Provenance
 from mien.audio import Audio
+from mien.edits import AppliedEdits, EditLayer, Lost
+from mien.edits.applied import Before
 from mien.errors import InputError, Note, OutputError
 from mien.output.native import read_native, write_native
 from mien.script.curves import INTERPOLATIONS, MODES, ParameterCurve
@@ -23,6 +25,7 @@ from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate, Interval, Tier
 from mien.tracks import ChannelTrack, MarkerTrack
+from tests.edits.layers import layers
 from tests.faces import tiny_animation
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -89,7 +92,7 @@ utterances = st.builds(
     st.sampled_from(["aligned", "recognised", "voice", "none"]),
     notes,
 )
-animations = st.builds(
+plain_animations = st.builds(
     Animation,
     channel_tracks(),
     st.none() | marker_tracks(),
@@ -98,6 +101,24 @@ animations = st.builds(
     st.builds(Provenance, texts, st.integers(), texts),
     notes,
 )
+
+
+@st.composite
+def edited_animations(draw):
+    """Animations, some with a layer of edits on them."""
+    animation, layer = draw(plain_animations), draw(st.none() | layers.filter(lambda layer: layer.edits))
+    if layer is None:
+        return animation
+    lost = st.builds(Lost, st.integers(0, len(layer.edits) - 1), st.none() | st.integers(0, 9), texts)
+    columns = {name: animation.channels.channel(name) for name in animation.channels.names[:2]}
+    before = Before(
+        draw(tiers()), draw(tiers()), draw(st.none() | tiers()), tuple(draw(st.lists(spans, max_size=2))), columns
+    )
+    edits = AppliedEdits(layer, tuple(draw(st.lists(lost, max_size=2))), before)
+    return dataclasses.replace(animation, edits=edits)
+
+
+animations = edited_animations()
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
@@ -124,12 +145,16 @@ def test_sound_is_exact_at_every_rate(tmp_path, rate):
 def test_every_field_is_written():
     """A field added to one of these types needs a place in the schema: add it there, then here."""
     known = {
-        Animation: {"channels", "markers", "utterance", "score", "provenance", "notes"},
+        Animation: {"channels", "markers", "utterance", "score", "provenance", "notes", "edits"},
         Utterance: {"text", "audio", "words", "phones", "language", "timing", "notes", "native", "shapes", "sung"},
         Score: {"emotions", "curves"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         EmotionSpan: {"name", "intensity", "start", "end"},
         Provenance: {"performer", "seed", "version"},
+        AppliedEdits: {"layer", "lost", "before"},
+        Before: {"words", "phones", "native", "emotions", "channels"},
+        Lost: {"edit", "point", "why"},
+        EditLayer: {"edits", "line", "emotions"},
         Note: {"kind", "message"},
     }
     for kind, fields in known.items():

@@ -97,3 +97,101 @@ def test_one_format_is_a_file_and_several_are_an_archive(client: Client, take: s
     two = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".TextGrid", ".json"]}))
     with zipfile.ZipFile(io.BytesIO(client.ask("GET", two["file"]).body)) as archive:
         assert archive.namelist() == ["i-never-said-that.TextGrid", "i-never-said-that.json"]
+
+
+def edits(*some: dict[str, object]) -> dict[str, object]:
+    return {"format": "mien-edits", "version": 1, "edits": list(some)}
+
+
+BORDER = {"kind": "border", "phone": {"word": "never", "phone": 3}, "edge": "end", "shift": 0.05}
+JAW = {
+    "kind": "channel",
+    "channel": "jawOpen",
+    "mode": "replace",
+    "keys": [{"anchor": {"word": "that", "phone": 1, "share": share}, "value": 0.9} for share in (0.1, 0.9)],
+}
+RISE = {
+    "kind": "intensity",
+    "emotion": "angry",
+    "points": [
+        {"anchor": {"word": "i", "phone": 0, "share": 0.0}, "value": 0.0},
+        {"anchor": {"word": "that", "phone": 2, "share": 1.0}, "value": 1.0},
+    ],
+}
+
+
+def frames(client: Client, take: str, query: str = "") -> np.ndarray:
+    told = client.ask("GET", f"/api/takes/{take}").json
+    body = client.ask("GET", f"/api/takes/{take}/frames{query}").body
+    return np.frombuffer(body, "<f4").reshape(told["frames"], len(told["channels"]))
+
+
+def test_edits_change_what_they_should_and_come_off_again(client: Client) -> None:
+    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    plain = frames(client, take)
+    jaw = client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW)).json
+    assert jaw["revision"] == 2
+    assert jaw["lost"] == []
+    first, last = jaw["frames_changed"]
+    edited = frames(client, take)
+    assert np.array_equal(edited[:first], plain[:first])
+    assert np.array_equal(edited[last + 1 :], plain[last + 1 :])
+    assert (edited[first : last + 1] != plain[first : last + 1]).any()
+    assert np.array_equal(frames(client, take, "?plain=1"), plain)
+    everything = client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE)).json
+    told = everything["take"]
+    assert told["words"][1][1] == pytest.approx(told["plain_words"][1][1] + 0.05)
+    assert told["emotions"][0]["points"][0][1] == 0.0
+    off = client.ask("PUT", f"/api/takes/{take}/edits", edits()).json
+    assert off["revision"] == 4
+    assert np.array_equal(frames(client, take), plain)
+
+
+def test_a_take_with_edits_is_what_the_library_makes(client: Client, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    import json
+
+    import mien
+
+    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE))
+    layer = client.ask("GET", f"/api/takes/{take}/layer").json
+    (tmp_path / "edits.json").write_text(json.dumps(layer))
+    same = mien.say(LINE, emotion="angry:0.7", fps=30, edits=tmp_path / "edits.json")
+    assert np.array_equal(frames(client, take), same.channels.values.astype("<f4"))
+
+
+def test_curves_alone_ask_no_model(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE))
+    wanted = client.ask("PUT", f"/api/takes/{take}/edits", edits(BORDER, RISE, {**JAW, "mode": "add"})).json
+    again = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    client.ask("PUT", f"/api/takes/{again}/edits", edits(BORDER, RISE, {**JAW, "mode": "add"}))
+    assert np.array_equal(frames(client, take), frames(client, again))
+    asked: list[object] = []
+    monkeypatch.setattr("mien.studio.takes.perform_under", lambda *given: asked.append(given))
+    assert client.ask("PUT", f"/api/takes/{take}/edits", edits(BORDER, RISE, JAW)).status == 200
+    assert not asked
+    assert wanted["take"]["lost"] == []
+
+
+def test_edits_go_along_into_another_line_and_what_is_lost_is_listed(client: Client) -> None:
+    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE))
+    told = client.finished(
+        client.ask("POST", f"/api/takes/{take}/redo", {"text": "Well, I never asked.", "emotion": "sad"})
+    )
+    again = client.ask("GET", f"/api/takes/{told['take']}").json
+    assert {loss["edit"] for loss in again["lost"]} == {0, 2}
+    assert again["words"][2][1] != again["plain_words"][2][1]
+    back = client.finished(
+        client.ask("POST", f"/api/takes/{told['take']}/redo", {"text": LINE, "emotion": "angry:0.7"})
+    )
+    assert np.array_equal(frames(client, back["take"]), frames(client, take))
+
+
+def test_faults_of_a_layer_are_told_with_their_place(client: Client, take: str) -> None:
+    answer = client.ask("PUT", f"/api/takes/{take}/edits", edits({**JAW, "channel": "jawOpne"}))
+    assert answer.status == 400
+    assert "jawOpen" in answer.json["error"]
+    assert "edits[0]" in answer.json["error"]
+    assert answer.json["field"] == "edits"

@@ -156,6 +156,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
     )
+    parser.add_argument("--edits", metavar="X.json", help="edits by hand, laid on the performance (docs/edits.md)")
     parser.add_argument(
         "--prosody",
         metavar="off|0..1",
@@ -175,7 +176,7 @@ def _add_language_option(parser: argparse.ArgumentParser) -> None:
 def _say(options: argparse.Namespace) -> int:
     from mien import api
 
-    face = _checked_face(options, [options.script])
+    face = _checked_face(options, [options.script, options.edits])
     if (options.text is None) == (options.script is None):
         raise InputError("expected a text to say, or a file with --script, and not both")
     text = sys.stdin.read() if options.text == "-" else options.text
@@ -190,7 +191,7 @@ def _animate(options: argparse.Namespace) -> int:
 
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
-    face = _checked_face(options, [options.script, options.audio, options.text])
+    face = _checked_face(options, [options.script, options.audio, options.text, options.edits])
     if options.text is not None and options.script is not None:
         raise InputError("--text and --script both say what is spoken: give one of them")
     text = Path(options.script) if options.script is not None else options.text
@@ -200,7 +201,7 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "commands")
+    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "commands", "edits")
     return {name: getattr(options, name) for name in names}
 
 

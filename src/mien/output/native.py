@@ -1,7 +1,8 @@
 """``.json``: the native `Animation`, kept whole.
 
 Everything is there: channels and markers to the last bit, the sound as 24-bit FLAC in base64, words, phones, score,
-provenance and notes. ``docs/formats.md`` describes the schema; `FORMAT` and `VERSION` stand in every file.
+provenance, notes, and the layer of edits with what it took the place of.
+``docs/formats.md`` describes the schema; `FORMAT` and `VERSION` stand in every file.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from mien.animation import Animation, Provenance
 from mien.audio import Audio
 from mien.audio_text import ENCODING, decode_audio, encode_audio
+from mien.edits.applied import AppliedEdits, Before, Lost
+from mien.edits.layer_file import layer_of, plain_layer
 from mien.errors import InputError, Note, OutputError
 from mien.files import replace_when_complete
 from mien.script.curves import ParameterCurve
@@ -107,6 +110,22 @@ def _plain(animation: Animation) -> dict[str, Any]:
             "values": animation.channels.values.tolist(),
         },
         "markers": None if animation.markers is None else _plain_markers(animation.markers),
+        "edits": None if animation.edits is None else _plain_edits(animation.edits),
+    }
+
+
+def _plain_edits(edits: AppliedEdits) -> dict[str, Any]:
+    before = edits.before
+    return {
+        "layer": plain_layer(edits.layer),
+        "lost": [vars(loss) for loss in edits.lost],
+        "before": {
+            "words": _plain_tier(before.words),
+            "phones": _plain_tier(before.phones),
+            "native": None if before.native is None else _plain_tier(before.native),
+            "emotions": [_plain_emotion(span) for span in before.emotions],
+            "channels": {name: values.tolist() for name, values in before.channels.items()},
+        },
     }
 
 
@@ -230,6 +249,7 @@ def _animation(root: _Node) -> Animation:
                 origin.get("performer").text(), origin.get("seed").whole(), origin.get("version").text()
             ),
             notes=_notes(root.get("notes")),
+            edits=_edits(root.get("edits"), root) if root.holds("edits") else None,
         )
     except InputError as problem:  # the types themselves refuse what does not hold together: say in which file
         if str(problem).startswith(str(root.path)):
@@ -284,6 +304,27 @@ def _score(node: _Node) -> Score:
     emotions = tuple(_emotion(span) for span in node.get("emotions").items())
     written_before = "curves" not in node.value  # files of mien 0.1 have none
     return Score(emotions, () if written_before else tuple(_curve(curve) for curve in node.get("curves").items()))
+
+
+def _edits(node: _Node, root: _Node) -> AppliedEdits:
+    before, frames = node.get("before"), _frames(root.get("channels").get("frames"))
+    layer = layer_of(node.get("layer").value, f"{node.path}: {node.get('layer').place}")
+    lost = tuple(_loss(loss, len(layer.edits)) for loss in node.get("lost").items())
+    if not isinstance(before.get("channels").value, dict):
+        raise before.get("channels").fault("expected an object")
+    channels = {name: before.get("channels").get(name).array((frames,)) for name in before.get("channels").value}
+    native = _tier(before.get("native")) if before.holds("native") else None
+    emotions = tuple(_emotion(span) for span in before.get("emotions").items())
+    return AppliedEdits(
+        layer, lost, Before(_tier(before.get("words")), _tier(before.get("phones")), native, emotions, channels)
+    )
+
+
+def _loss(node: _Node, edits: int) -> Lost:
+    point = None if node.get("point").value is None else node.get("point").whole()
+    if not 0 <= node.get("edit").whole() < edits:
+        raise node.get("edit").fault(f"the layer has {edits} edits")
+    return Lost(node.get("edit").whole(), point, node.get("why").text())
 
 
 def _curve(node: _Node) -> ParameterCurve:

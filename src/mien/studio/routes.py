@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import json
+from typing import Any
 from urllib.parse import quote
 
 from aiohttp import web
 
+from mien.edits import EditLayer, layer_of, plain_layer
+from mien.errors import InputError
 from mien.studio.about import about
 from mien.studio.access import HEADERS
 from mien.studio.bodies import read_bytes, read_form, read_json
 from mien.studio.page import MISSING, load_page, media_type
 from mien.studio.requests import FieldError, TakeRequest
 from mien.studio.results import checked_formats
+from mien.studio.settings import Limits
 from mien.studio.sounds import read_sound
 from mien.studio.takes import Take
 from mien.studio.workshop import Workshop
@@ -48,6 +52,9 @@ class Routes:
                 web.get("/api/takes/{id}", self.take),
                 web.get("/api/takes/{id}/frames", self.frames),
                 web.get("/api/takes/{id}/sound.wav", self.sound),
+                web.put("/api/takes/{id}/edits", self.edit),
+                web.get("/api/takes/{id}/layer", self.layer),
+                web.put("/api/takes/{id}/layer", self.edit),
                 web.post("/api/takes/{id}/redo", self.redo),
                 web.post("/api/takes/{id}/export", self.export),
                 web.get("/api/jobs/{id}", self.job),
@@ -128,6 +135,22 @@ class Routes:
         content = await asyncio.to_thread(take.sound)
         return _ranged(request, content, "audio/wav")
 
+    async def edit(self, request: web.Request) -> web.Response:
+        """Put a layer of edits on the take."""
+        name, take = self._take(request)
+        layer = checked_layer(await read_json(request, self.limits), self.limits)
+        revision, changed = await asyncio.to_thread(self.shop.edit, name, layer)
+        told = take.plain(name)
+        return web.json_response(
+            {"revision": revision, "frames_changed": changed, "lost": told["lost"], "take": told},
+        )
+
+    async def layer(self, request: web.Request) -> web.Response:
+        """The edits as a file of their own."""
+        _, take = self._take(request)
+        headers = {"Content-Disposition": 'attachment; filename="edits.json"'}
+        return web.json_response(plain_layer(take.layer), headers=headers)
+
     async def redo(self, request: web.Request) -> web.Response:
         """Perform the line again with some fields changed; the edits are laid over it again."""
         name, _ = self._take(request)
@@ -169,6 +192,29 @@ class Routes:
                     await answer.write(piece)
         await answer.write_eof()
         return answer
+
+
+def checked_layer(document: dict[str, Any], limits: Limits) -> EditLayer:
+    """Read a layer from JSON; a bare ``{"edits": [...]}`` counts as one of this version.
+
+    Raises
+    ------
+    FieldError
+        If it does not hold together, or is larger than the studio takes.
+    """
+    document = (
+        {"format": "mien-edits", "version": 1, **document.get("layer", document)}
+        if isinstance(document.get("layer", document), dict)
+        else document
+    )
+    try:
+        layer = layer_of(document)
+    except InputError as problem:
+        raise FieldError("edits", str(problem)) from problem
+    points = sum(len(edit.points) for _, edit in layer.intensities) + sum(len(edit.keys) for _, edit in layer.curves)
+    if len(layer.edits) + points > limits.edits or len(layer.line or ()) > limits.text_characters:
+        raise FieldError("edits", f"the studio takes at most {limits.edits} edits and points, got more")
+    return layer
 
 
 def _accepted(job: str) -> web.Response:

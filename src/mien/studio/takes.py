@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from threading import Lock
@@ -11,8 +11,14 @@ from typing import Any
 
 from mien.animation import Animation
 from mien.audio import Audio
+from mien.edits import EditLayer, line_of, plain_layer
+from mien.edits.applied import AppliedEdits, Before
+from mien.edits.borders import with_borders
+from mien.edits.emotions import asked_emotions, with_intensities
+from mien.edits.layer_file import plain_line
 from mien.errors import Note
 from mien.models.performer import Performer
+from mien.modules.edit import perform_under
 from mien.modules.spoken import Spoken
 from mien.script.intensity import IntensityCurve
 from mien.script.score import EmotionSpan, Score
@@ -66,6 +72,21 @@ class Basis:
     performer: Performer
     rate: FrameRate
 
+    def under(self, layer: EditLayer) -> Animation:
+        """The performance with a layer's borders and intensities, but without its curves."""
+        utterance, seed = self.spoken.utterance, self.request.seed
+        return perform_under(utterance, self.score, self.performer, self.rate, seed, layer)
+
+    def with_layer(self, under: Animation, layer: EditLayer) -> Animation:
+        """A performance of `under` with another layer of the same borders and intensities."""
+        utterance = self.spoken.utterance
+        speech, lost, notes = with_borders(layer, utterance)
+        _, also_lost, also_noted = with_intensities(layer, speech, self.score, self.performer.expression.names)
+        before = Before(utterance.words, utterance.phones, utterance.native, self.score.emotions)
+        edits = AppliedEdits(layer, (*lost, *also_lost), before)
+        plain = (*under.utterance.notes, *self.performer.expression.notes(under.score))
+        return replace(under, edits=edits, notes=(*plain, *notes, *also_noted))
+
 
 @dataclass(eq=False)
 class Take:
@@ -74,16 +95,23 @@ class Take:
     Attributes
     ----------
     basis : Basis
+    under : Animation
+        With moved borders and changed intensities, but without the curves of edited channels.
     animation : Animation
         With all edits.
+    layer : EditLayer
+        With the line on which it was made.
     revision : int
         Counts the changes, from 1.
     """
 
     basis: Basis
+    under: Animation
     animation: Animation
+    layer: EditLayer
     revision: int = 1
     lock: Lock = field(default_factory=Lock)
+    changing: Lock = field(default_factory=Lock)
 
     @property
     def size(self) -> int:
@@ -95,7 +123,7 @@ class Take:
     def frames(self, plain: bool = False) -> tuple[int, bytes]:
         """The revision, and all its frames as float32, little-endian, frame by frame in the order of the channels."""
         with self.lock:
-            revision, shown = self.revision, self.animation
+            revision, shown = self.revision, self.under if plain else self.animation
         return revision, shown.channels.values.astype("<f4").tobytes()
 
     def sound(self) -> bytes:
@@ -108,7 +136,9 @@ class Take:
 
     def plain(self, name: str) -> dict[str, Any]:
         """As JSON."""
-        shown, track = self.animation, self.animation.channels
+        with self.lock:
+            shown, layer, revision = self.animation, self.layer, self.revision
+        track, bare = shown.channels, self.basis.spoken.utterance
         return {
             "take": name,
             "request": self.basis.request.plain(),
@@ -119,10 +149,16 @@ class Take:
             "text": shown.utterance.text,
             "words": plain_tier(shown.utterance.words),
             "phones": plain_tier(shown.utterance.phones),
+            "plain_words": plain_tier(bare.words),
+            "plain_phones": plain_tier(bare.phones),
+            "line": plain_line(line_of(bare).line),
+            "asked_emotions": list(asked_emotions(self.basis.score)),
             "emotions": [_plain_span(span, shown.utterance) for span in shown.score.emotions],
             "channels": list(track.names),
             "notes": plain_notes(shown.notes),
-            "revision": self.revision,
+            "edits": plain_layer(layer),
+            "lost": [vars(loss) for loss in shown.edits.lost] if shown.edits is not None else [],
+            "revision": revision,
         }
 
 

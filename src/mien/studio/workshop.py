@@ -14,13 +14,19 @@ from pathlib import Path
 from threading import RLock
 from typing import Any
 
+import numpy as np
+
 from mien import api
+from mien.animation import Animation
 from mien.audio import Audio
+from mien.edits import EMPTY, EditLayer, line_of
+from mien.edits.emotions import asked_emotions
 from mien.errors import Note
 from mien.models.authored_prosody import AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
-from mien.modules.perform import perform_spoken
+from mien.modules.edit import with_edited_channels
+from mien.modules.perform import directed
 from mien.modules.spoken import Spoken
 from mien.studio.faces import FaceShelf
 from mien.studio.jobs import Job, JobPool
@@ -78,7 +84,8 @@ class Workshop:
         take = self.takes.get(name)
         source = take.basis.source
         request = take.basis.request.changed(changes, self.limits, with_sound=source is not None)
-        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job))})
+        layer = take.layer
+        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job, layer))})
 
     def start_export(self, name: str, formats: Sequence[str], asked: dict[str, Any]) -> str:
         """Queue the writing of files."""
@@ -94,7 +101,7 @@ class Workshop:
     def _kept(self, take: Take) -> str:
         return self.takes.put(take, take.size)
 
-    def perform(self, request: TakeRequest, source: Source | None, job: Job) -> Take:
+    def perform(self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer = EMPTY) -> Take:
         """Speak or hear a line, and perform it."""
         job.at("performer", 0.02)
         performer = self._performer(request)
@@ -112,8 +119,32 @@ class Workshop:
             performer.expression.check(score)
             spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
         job.at("motion", 0.6)
-        animation = perform_spoken(spoken, performer, rate, request.seed, score)
-        return Take(Basis(request, source, spoken, animation.score, performer, rate), animation)
+        spoken, asked = directed(spoken, score)
+        basis = Basis(request, source, spoken, asked, performer, rate)
+        layer = layer.made_on(line_of(spoken.utterance).line, asked_emotions(asked))
+        under = basis.under(layer)
+        return Take(basis, under, with_edited_channels(under), layer)
+
+    def edit(self, name: str, layer: EditLayer) -> tuple[int, tuple[int, int] | None]:
+        """Put another layer on a take; only what the difference asks for is performed again.
+
+        Returns
+        -------
+        revision : int
+        changed : tuple of int, or None
+            The first and the last frame that differ from before.
+        """
+        take = self.takes.get(name)
+        layer = layer.made_on(line_of(take.basis.spoken.utterance).line, asked_emotions(take.basis.score))
+        with take.changing:
+            same = _under(layer) == _under(take.layer)
+            under = take.basis.with_layer(take.under, layer) if same else take.basis.under(layer)
+            animation = with_edited_channels(under)
+            changed = _changed(take.animation, animation)
+            with take.lock:
+                take.under, take.animation, take.layer = under, animation, layer
+                take.revision += 1
+                return take.revision, changed
 
     def _performer(self, request: TakeRequest) -> Performer:
         key = request.performer, request.speech_model
@@ -152,3 +183,14 @@ class Workshop:
             song=request.song,
             notes=source.notes,
         )
+
+
+def _under(layer: EditLayer) -> tuple[object, ...]:
+    """What of a layer the performer has to be asked for."""
+    borders, intensities = (tuple(edit for _, edit in some) for some in (layer.borders, layer.intensities))
+    return borders, intensities, *((layer.line, layer.emotions) if borders or intensities else ())
+
+
+def _changed(before: Animation, after: Animation) -> tuple[int, int] | None:
+    differ = np.flatnonzero((before.channels.values != after.channels.values).any(axis=1))
+    return (int(differ[0]), int(differ[-1])) if len(differ) else None
