@@ -26,6 +26,7 @@ from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
 
 if TYPE_CHECKING:
+    from mien.face.foreign.recognition import ForeignFace
     from mien.modules.spoken import Spoken
 
 __all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_text", "save", "say"]
@@ -308,7 +309,11 @@ def align(
 
 
 def save(
-    animation: Animation, *paths: str | Path, face: str | Path | Face = "default", progress: Progress | None = None
+    animation: Animation,
+    *paths: str | Path,
+    face: str | Path | Face | ForeignFace = "default",
+    names: str | Path | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Note, ...]:
     """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
 
@@ -317,9 +322,11 @@ def save(
     animation : Animation
     *paths : str or Path
         ``.mp4 .glb .csv .TextGrid .json .png .wav``; all are checked before the first is written.
-    face : str, Path or Face
-        The face for the formats that show one: by name, loaded, or a GLB of another maker (``.glb``), which is driven
-        by its own morph targets and written with everything else in it.
+    face : str, Path, Face or ForeignFace
+        The face for the formats that show one: by name, loaded, or one of another maker (``.glb``, ``.vrm``,
+        ``.gltf``), which is driven by its own morph targets and written with everything else in it.
+    names : str, Path or None
+        A table of names of your own for such a face (``docs/faces.md``).
     progress : callable (done, total) or None
         Called while frames are drawn.
 
@@ -335,28 +342,36 @@ def save(
     OutputError
         If a file cannot be written; nothing is left half-written.
     """
+    from mien.face.foreign.document import is_gltf
+    from mien.face.foreign.recognition import ForeignFace, foreign_face
     from mien.face.library import load_face
     from mien.output.registry import check_output
     from mien.output.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
-    if isinstance(face, (str, Path)) and str(face).lower().endswith((".glb", ".vrm")):
-        return tuple(note for target in targets for note in _save_foreign(animation, target, Path(face)))
+    if isinstance(face, (str, Path)) and is_gltf(face):
+        face = foreign_face(face, names)
+    if isinstance(face, ForeignFace):
+        return tuple(note for target in targets for note in _save_foreign(animation, target, face))
+    if names is not None:
+        raise InputError("names are for a face in .glb, .vrm or .gltf")
     if isinstance(face, Path):
         face = str(face)
     shown = load_face(face) if isinstance(face, str) else face
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))
 
 
-def _save_foreign(animation: Animation, target: Path, face: Path) -> tuple[Note, ...]:
-    """Write one file where the face is somebody else's GLB."""
+def _save_foreign(animation: Animation, target: Path, face: ForeignFace) -> tuple[Note, ...]:
+    """Write one file where the face is somebody else's."""
     from mien.output.driven_glb import drive_glb
     from mien.output.registry import save as save_one
 
     if target.suffix.lower() == ".glb":
         return drive_glb(animation.channels, face, target)
     if target.suffix.lower() in (".mp4", ".png"):
-        raise InputError(f"{face} is driven and written as .glb; only mien's own faces are drawn: not {target}")
+        raise InputError(
+            f"{face.document.path} is driven and written as .glb; only mien's own faces are drawn: not {target}"
+        )
     return save_one(animation, target)
 
 

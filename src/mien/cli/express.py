@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from mien.cli.foreign_face import add_face_option
+
 __all__ = ["add_command"]
 
 CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
@@ -27,7 +29,7 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     express.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     express.add_argument("--fps", help="frames per second of a .csv (default: read from its timecode)")
     express.add_argument("--seed", type=int, default=0, help="seed of the expression (default 0)")
-    express.add_argument("--face", default="default", help="the face to show (default: default)")
+    add_face_option(express)
     express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
     express.add_argument("--quiet", action="store_true", help="say nothing but errors")
     express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")

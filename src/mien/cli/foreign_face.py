@@ -1,25 +1,42 @@
-"""``--face MY.glb``: a face in somebody else's GLB, checked before the work is done."""
+"""``--face MY.glb``: a face in somebody else's file, checked before the work is done."""
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mien.errors import InputError
 
-__all__ = ["checked_glb"]
+if TYPE_CHECKING:
+    from mien.face.foreign.recognition import ForeignFace
+
+__all__ = ["add_face_option", "checked_foreign_face"]
 
 
-def checked_glb(face: str, outputs: Sequence[Path], deformer: str) -> Path:
-    """Refuse what cannot be done with a foreign GLB before any work is done."""
-    from mien.output.driven_glb import driven_meshes, read_chunks
+def add_face_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--face`` and ``--names``."""
+    parser.add_argument(
+        "--face",
+        default="default",
+        metavar="NAME|FILE",
+        help="the face to show: default, .npz, .obj, or one of your own in .glb, .vrm or .gltf (docs/faces.md)",
+    )
+    parser.add_argument(
+        "--names", metavar="X.toml", help="what the targets of such a face are, where mien does not know"
+    )
+
+
+def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, names: str | None) -> ForeignFace:
+    """Refuse what cannot be done with a foreign face before any work is done."""
+    from mien.face.foreign.recognition import foreign_face
 
     if deformer != "blendshapes":
         raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
     for path in outputs:
         if path.suffix.lower() in (".mp4", ".png"):
             raise InputError(f"{face} is driven and written as .glb; only mien's own faces are drawn: not {path}")
-    document, _ = read_chunks(face)
-    if not any(recipe for mesh in driven_meshes(face, document) for recipe in mesh.recipes):
-        raise InputError(f"{face} has no morph target with a known name (ARKit, VRM or viseme): nothing could move")
-    return Path(face)
+    recognised = foreign_face(face, names)
+    recognised.require_motion()
+    return recognised

@@ -19,6 +19,7 @@ from mien.cli import evaluate, express, inspect, learn, live, modules, recolor, 
 from mien.cli import face as face_commands
 from mien.cli.corpus import add_corpus_commands
 from mien.cli.emotion import add_emotion_commands
+from mien.cli.foreign_face import add_face_option, checked_foreign_face
 from mien.cli.record import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.errors import InputError, MienError, Note
@@ -26,6 +27,7 @@ from mien.errors import InputError, MienError, Note
 if TYPE_CHECKING:
     from mien.animation import Animation
     from mien.face.face import Face
+    from mien.face.foreign.recognition import ForeignFace
 
 __all__ = ["main"]
 
@@ -130,7 +132,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
-    parser.add_argument("--face", default="default", help="the face to show (default: default)")
+    add_face_option(parser)
     parser.add_argument(
         "--deformer",
         default="blendshapes",
@@ -205,18 +207,19 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face | Path:
+def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face | ForeignFace:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
+    from mien.face.foreign.document import is_gltf
     from mien.face.library import load_face
     from mien.output.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
-    foreign = options.face.lower().endswith((".glb", ".vrm"))
-    _refuse_same_file(outputs, [*inputs, options.face if foreign else None])
+    foreign = is_gltf(options.face)
+    _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
     if foreign:
-        from mien.cli.foreign_face import checked_glb
-
-        return checked_glb(options.face, outputs, options.deformer)
+        return checked_foreign_face(options.face, outputs, options.deformer, options.names)
+    if options.names is not None:
+        raise InputError(f"--names is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
     face = load_face(options.face)
     if options.deformer != "blendshapes":
         from mien.face.deformers import deformed_by
@@ -240,7 +243,7 @@ def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> 
         written.add(real)
 
 
-def _finish(animation: Animation, face: Face | Path, options: argparse.Namespace) -> int:
+def _finish(animation: Animation, face: Face | ForeignFace, options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from mien import api

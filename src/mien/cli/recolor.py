@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from mien.cli.foreign_face import add_face_option
+
 __all__ = ["add_command"]
 
 CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
@@ -24,7 +26,7 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     recolor.add_argument(
         "--performer", metavar="NAME|X.mien", help="whose expressions (default: who made the animation)"
     )
-    recolor.add_argument("--face", default="default", help="the face to show (default: default)")
+    add_face_option(recolor)
     recolor.add_argument("--quiet", action="store_true", help="say nothing but errors")
     recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
 
