@@ -61,14 +61,12 @@ class FaceShelf:
         FieldError
             If it is none, or has no morph target that can be driven.
         """
-        from mien.output.driven_glb import driven_meshes, read_chunks
+        from mien.face.foreign.recognition import foreign_face
 
         path = self._folder / f"{new_id()}.glb"
         path.write_bytes(content)
         try:
-            document, _ = read_chunks(path)
-            if not any(recipe for mesh in driven_meshes(path, document) for recipe in mesh.recipes):
-                raise InputError("it has no morph target with a known name (ARKit, VRM or viseme): nothing could move")
+            foreign_face(path).require_motion()
             face = ForeignFace(path, inspected(path))
         except InputError as problem:
             path.unlink()
@@ -99,17 +97,15 @@ class FaceShelf:
 
 def inspected(path: Path) -> dict[str, Any]:
     """What of a GLB's morph targets and nodes can be driven: by mesh, target and channel."""
-    from mien.output.driven_glb import driven_meshes, read_chunks
-    from mien.output.turning_nodes import turning_nodes
+    from mien.face.foreign.report import inspect_face
 
-    document, _ = read_chunks(path)
+    report = inspect_face(path)
     meshes: list[dict[str, Any]] = []
-    for mesh in driven_meshes(path, document):
-        pairs = list(zip(mesh.targets, mesh.recipes, strict=True))
-        driven = {name: dict(recipe) for name, recipe in pairs if recipe}
-        meshes.append({"mesh": mesh.name, "driven": driven, "unknown": [name for name, recipe in pairs if not recipe]})
-    nodes = {part: document["nodes"][number]["name"] for part, number in turning_nodes(document).items()}
-    return {"meshes": meshes, "nodes": nodes}
+    for mesh in report.meshes:
+        driven = {target.name: target.driven_by for target in mesh.driven}
+        unknown = [target.name for target in mesh.targets if not target.driven_by]
+        meshes.append({"mesh": mesh.name, "driven": driven, "unknown": unknown})
+    return {"meshes": meshes, "nodes": report.nodes}
 
 
 def _resting_glb(path: Path) -> bytes:
