@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import soxr
@@ -28,10 +28,14 @@ class Line:
 def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semitones: float) -> tuple[Line, float]:
     """A variation and the warp of the mel scale with which to hear it.
 
-    Pitch, resonances and pace move together by up to ``semitones`` (resampling), the resonances alone by up to 15 %
-    more (the warp); a filter colours the sound, one in six goes through a telephone, one in three has a room; noise
-    (white, pink or others' speech) lies 3 to 45 dB below; the peak at -45 dB to full scale, one in ten is clipped.
+    Three in ten stay as they are but for the level and the warp. Otherwise pitch, resonances and pace move together by
+    up to ``semitones`` (resampling), the resonances alone by up to 15 % more (the warp); a filter colours the sound,
+    one in six goes through a telephone, one in three has a room; noise (white, pink, hum or others' speech) lies 6 to
+    45 dB below; peaks lie at full scale and below, 12 dB in the mean; one in ten is clipped.
     """
+    if random.random() < 0.3:
+        sound = line.samples / max(np.abs(line.samples).max(), 1e-6) * 10 ** (-random.uniform(0, 30) / 20)
+        return replace(line, samples=sound), float(random.uniform(0.9, 1.12))
     factor = 2 ** (random.uniform(-semitones, semitones) / 12)
     sound = soxr.resample(line.samples, RATE, RATE * factor) if semitones else line.samples.copy()
     before, after = (int(RATE * random.uniform(0.1, 1.2)) for _ in range(2))
@@ -40,7 +44,7 @@ def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semi
     sound = coloured(sound, random)
     if random.random() < 0.35:
         sound = echoing(sound, random)
-    sound = sound + noise(len(sound), others, random) * size * 10 ** (-random.uniform(3, 45) / 20)
+    sound = sound + noise(len(sound), others, random) * size * 10 ** (-random.uniform(6, 45) / 20)
     if random.random() < 0.16:
         sound = sosfilt(
             butter(4, (random.uniform(200, 350), random.uniform(3000, 3800)), "band", fs=RATE, output="sos"), sound

@@ -77,6 +77,8 @@ class LiveAnimator:
     ----------
     phones : Tier
         What the last frame was made from.
+    spoken : ndarray, shape (channels,)
+        The mouth of the last frame, without expression and signs of life.
 
     Raises
     ------
@@ -89,7 +91,7 @@ class LiveAnimator:
         performer.expression.check(self.settings.score)
         rate, random = self.settings.rate, np.random.default_rng(self.settings.seed).spawn(2)
         self.stream = PhoneStream()
-        self.phones = self.stream.phones()
+        self.phones, self.spoken = self.stream.phones(), np.zeros(len(channels.ALL))
         self._mouth = StreamingMouth(without_sound(performer.mouth), rate)
         self._expression = endless_expression(performer.expression, self.settings.score, rate, random[0])
         self._idle = endless_idle(performer.idle, rate, random[1])
@@ -119,10 +121,10 @@ class LiveAnimator:
         it than was stated, the phones are less certain.
         """
         self.phones = self.stream.phones()
-        mouth, seal = self._mouth.frame(seconds, self.phones)
+        self.spoken, seal = self._mouth.frame(seconds, self.phones)
         share = 1 - seal * (1 - self._sealed_share)
         felt, alive = self._expression.next() * share, self._idle.next()
-        return np.asarray(blend(mouth[None], felt[None], alive[None])[0])
+        return np.asarray(blend(self.spoken[None], felt[None], alive[None])[0])
 
 
 def frames_of(audio: Audio, performer: Performer, settings: LiveSettings | None = None) -> Iterator[Floats]:

@@ -74,6 +74,7 @@ async def perform_live(
     wait: bool = False,
     opened: Callable[[int | None], None] = lambda port: None,
     stopping: Callable[[], bool] = lambda: False,
+    watch: Callable[[int, float], None] = lambda number, seconds: None,
 ) -> Performed:
     """Show sound while it arrives, until it ends.
 
@@ -94,6 +95,8 @@ async def perform_live(
         Called once all outlets are open, with the port of the WebSocket.
     stopping : callable () -> bool
         Asked before each frame; True ends the stream.
+    watch : callable (number, seconds)
+        Told of each frame which instant of the sound it shows, silence that was put in not counted.
 
     Raises
     ------
@@ -117,6 +120,7 @@ async def perform_live(
                     break
                 values = show.next(number + 1 - last)
                 open_to.send(Frame(number, settings.rate.time_of(number), values))
+                watch(number, show.shown - show.playout.silence)
                 sent, last = sent + 1, number + 1
     playout = show.playout
     delay = show.delays / max(sent, 1)
@@ -143,35 +147,35 @@ class _Show:
         self._look_ahead, self._step = animator.settings.look_ahead, animator.settings.rate.time_of(1)
         self.playout = Playout(animator.settings.rate, self._look_ahead)
         self.delays = 0.0
-        self._shown = 0.0
+        self.shown = 0.0
         self._over_since: float | None = None
 
     @property
     def done(self) -> bool:
         """Whether the sound has ended and the mouth had time to shut."""
-        return self._over_since is not None and self._shown >= self._over_since + AFTERWARDS
+        return self._over_since is not None and self.shown >= self._over_since + AFTERWARDS
 
     def next(self, frames: int) -> NDArray[np.float64]:
         """The next frame that is shown, ``frames`` after the one before."""
         most = None
         if self._source.stored:  # only as much as belongs to this frame: the rest keeps its time
-            wanted = self._shown + frames * self._step + self._look_ahead - self._animator.heard
+            wanted = self.shown + frames * self._step + self._look_ahead - self._animator.heard
             most = max(0, round(wanted * RATE))
         self._hear(self._source.inbox.take(most))
         if self._source.inbox.over:
             if self._over_since is None:
                 self._over_since = self._animator.heard
-            lacking = self._shown + frames * self._step + self._look_ahead - self._animator.heard
+            lacking = self.shown + frames * self._step + self._look_ahead - self._animator.heard
             self._hear(np.zeros(max(0, round(lacking * RATE)), np.float32))
         showing = self.playout.next(self._animator.heard, frames)
         if showing.silence:
             self._hear(np.zeros(round(showing.silence * RATE), np.float32))
-        self._shown = showing.seconds
-        self.delays += self._animator.heard - self._shown
-        values = self._animator.frame(self._shown)
+        self.shown = showing.seconds
+        self.delays += self._animator.heard - self.shown
+        values = self._animator.frame(self.shown)
         if self._recording is not None:
-            phone = self._animator.phones.at(self._shown)
-            self._recording.add_frame(self._shown, phone.label if phone else PAUSE, values)
+            phone = self._animator.phones.at(self.shown)
+            self._recording.add_frame(self.shown, phone.label if phone else PAUSE, values)
         return values
 
     def _hear(self, samples: NDArray[np.float32]) -> None:

@@ -1,7 +1,7 @@
 """The mouth one frame at a time, from phones that are still being revised.
 
 A performer's own mouth model (learned curves, or the authored mouth) is asked for the few frames about an instant, with
-the phones that are known by then; past the last of them it is taken that the phone goes on (`expected`). Where phones
+the phones that are known by then, and a guess at what follows (`expected`). Where phones
 were revised, the motion would jump from one answer to another: the difference between what was shown and what is
 answered now for the same instant is carried over and dies away within `HAND_OVER`.
 """
@@ -29,8 +29,9 @@ Floats = NDArray[np.float64]
 HAND_OVER = 0.035
 """Seconds in which a difference from revised phones falls to 37 %."""
 _BEFORE = 3  # frames asked for besides the one that is shown: the models hold neighbouring frames together
-_GOES_ON = 0.35  # seconds for which the last known sound is taken to go on
+_GOES_ON = 0.35  # seconds of what is guessed
 _TYPICAL_VOWEL, _TYPICAL_CONSONANT = 0.11, 0.07
+_AFTER_VOWEL, _AFTER_CONSONANT = "T", "AH"  # phones that ask little of the lips
 _QUIET = 1000  # Hz of the silence that stands in for the sound
 
 
@@ -40,7 +41,9 @@ def without_sound(mouth: MouthModel) -> MouthModel:
 
 
 def expected(phones: Tier) -> Tier:
-    """The phones with the last one going on: at least as long as such a phone usually lasts, then held.
+    """The phones with what may come: the last one lasts as such a phone usually does, then a neutral one follows.
+
+    Without it the models would take it that a pause follows, and shut the mouth.
 
     Examples
     --------
@@ -55,9 +58,8 @@ def expected(phones: Tier) -> Tier:
         return Tier(phones.name, (*before, Interval(last.start, last.end + _GOES_ON, PAUSE)))
     vowel = is_vowel(last.label)
     end = max(last.end, last.start + (_TYPICAL_VOWEL if vowel else _TYPICAL_CONSONANT))
-    if vowel:
-        return Tier(phones.name, (*before, Interval(last.start, end + _GOES_ON, last.label)))
-    return Tier(phones.name, (*before, Interval(last.start, end, last.label), Interval(end, end + _GOES_ON, "AH")))
+    following = Interval(end, end + _GOES_ON, _AFTER_VOWEL if vowel else _AFTER_CONSONANT)
+    return Tier(phones.name, (*before, Interval(last.start, end, last.label), following))
 
 
 class StreamingMouth:

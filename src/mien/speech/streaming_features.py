@@ -1,8 +1,8 @@
 """What a live recogniser hears: log-mel spectra that use nothing but the past, however the sound is cut into pieces.
 
 Every 10 ms one row of `COLUMNS` numbers is made of 25 ms of sound at 16 kHz: `BANDS` log energies of mel bands, minus a
-running mean over the louder instants (the voice and the microphone, half of the way: its other half is taken as one
-number, so that a hiss does not become a voice), then the level against the recent loudest and the recent quietest.
+running mean over the louder instants (the voice and the microphone; a fifth of it is taken as one number for all
+bands, so that a hiss does not become a voice), then the level against the recent loudest and the recent quietest.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter, lfilter_zi
 
 __all__ = ["BANDS", "CENTRE", "COLUMNS", "HOP", "RATE", "WINDOW", "StreamingFeatures", "mel_bank"]
 
@@ -24,11 +25,13 @@ CENTRE = WINDOW / 2 / RATE
 _SIZE = 512
 _LOWEST, _HIGHEST = 60.0, 7600.0  # Hz; below lie hum and offset
 _EMPHASIS = 0.97
+_OFFSET_END = 20.0  # Hz: slower motion is no sound
 _FLOOR = 1e-7  # power of a band below which nothing is heard: about the step of 16-bit sound
 # Natural logarithms of power, as speech at a usual level has them; what is believed before anything is heard.
 _USUAL_PEAK, _USUAL_FLOOR = -4.0, -12.0
-_PEAK_RISE, _PEAK_FALL, _FLOOR_FALL, _FLOOR_RISE, _MEAN_TIME = 0.05, 4.0, 0.1, 8.0, 3.0  # seconds
+_PEAK_RISE, _PEAK_FALL, _FLOOR_FALL, _FLOOR_RISE, _MEAN_TIME = 0.05, 4.0, 0.1, 8.0, 2.0  # seconds
 _NEAR_FLOOR, _BELOW_PEAK, _STEEPNESS = 2.0, 2.5, 1.5
+_SHARE = 0.8
 _MEAN_TRUST = 20.0  # rows that the first belief about the mean is worth
 
 Floats = NDArray[np.float64]
@@ -69,7 +72,7 @@ class StreamingFeatures:
     def __init__(self, warp: float = 1.0) -> None:
         self._bank = mel_bank(warp)
         self._kept = np.zeros(0)
-        self._last: float | None = None
+        self._state: Floats | None = None
         self._peak, self._floor = _USUAL_PEAK, _USUAL_FLOOR
         self._sum, self._weight = np.full(BANDS, _USUAL_PEAK - 1.0) * _MEAN_TRUST, _MEAN_TRUST
 
@@ -78,9 +81,7 @@ class StreamingFeatures:
         samples = np.asarray(samples, dtype=np.float64)
         if not len(samples):
             return np.zeros((0, COLUMNS))
-        before = np.concatenate([[samples[0] if self._last is None else self._last], samples[:-1]])
-        self._last = float(samples[-1])
-        held = np.concatenate([self._kept, samples - _EMPHASIS * before])
+        held = np.concatenate([self._kept, self._sharpened(samples)])
         count = max(0, (len(held) - WINDOW) // HOP + 1)
         self._kept = held[count * HOP :]
         if not count:
@@ -88,6 +89,13 @@ class StreamingFeatures:
         windows = np.lib.stride_tricks.sliding_window_view(held, WINDOW)[: count * HOP : HOP]
         power = np.abs(np.fft.rfft(windows * _hamming(), _SIZE)) ** 2
         return self._normalised(np.log(power @ self._bank + _FLOOR))
+
+    def _sharpened(self, samples: NDArray[np.floating]) -> Floats:
+        """Without an offset, and with the high notes lifted."""
+        if self._state is None:  # as if the first sample had stood there for long
+            self._state = lfilter_zi(*_filter()) * samples[0]
+        sharpened, self._state = lfilter(*_filter(), samples, zi=self._state)
+        return np.asarray(sharpened)
 
     def _normalised(self, logs: Floats) -> Floats:
         rows = np.empty((len(logs), COLUMNS))
@@ -97,7 +105,7 @@ class StreamingFeatures:
             self._sum = self._sum * _KEEP_MEAN + loud * log
             self._weight = self._weight * _KEEP_MEAN + loud
             mean = self._sum / self._weight
-            row[:BANDS] = log - (mean + mean.mean()) / 2
+            row[:BANDS] = log - _SHARE * mean - (1 - _SHARE) * mean.mean()
             row[BANDS:] = level - self._peak, level - self._floor
         return rows
 
@@ -108,6 +116,13 @@ class StreamingFeatures:
         elif level > self._floor + _NEAR_FLOOR:
             self._peak += (level - self._peak) * _rate(_PEAK_FALL)
         self._floor += (level - self._floor) * _rate(_FLOOR_FALL if level < self._floor else _FLOOR_RISE)
+
+
+@cache
+def _filter() -> tuple[Floats, Floats]:
+    """Numerator and denominator: 1 - z^-1 over 1 - pole z^-1 keeps offsets out, 1 - emphasis z^-1 lifts."""
+    pole = math.exp(-2 * math.pi * _OFFSET_END / RATE)
+    return np.convolve([1.0, -1.0], [1.0, -_EMPHASIS]), np.array([1.0, -pole, 0.0])
 
 
 @cache

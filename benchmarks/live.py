@@ -1,0 +1,61 @@
+"""How good and how fast is live? Writes docs/tables/live.md.
+
+    python benchmarks/live.py accuracy --data FOLDER        about ten minutes on two cores
+    python benchmarks/live.py timing                        about three minutes, on a machine that does nothing else
+
+FOLDER holds timit-sample. Each part is written to its own half of the file; the other half stays. Definitions stand at
+the heads of ``live_accuracy.py`` and ``live_timing.py``.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+OUT = Path(__file__).parent.parent / "docs" / "tables" / "live.md"
+HEAD = "# Live\n\nWritten by `python benchmarks/live.py`, one half by `accuracy`, one by `timing`.\n"
+PARTS = ("accuracy", "timing")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", choices=PARTS)
+    parser.add_argument("--data", type=Path, help="for accuracy: the folder that holds timit-sample")
+    parser.add_argument("--subset", type=int, help="for accuracy: so many utterances, for a quick look; writes nothing")
+    options = parser.parse_args()
+    with threadpool_limits(1):
+        text = "\n".join(lines(options)) + "\n"
+    print(text)
+    if options.subset is None:
+        write(options.part, text)
+
+
+def lines(options: argparse.Namespace) -> Iterator[str]:
+    if options.part == "timing":
+        import live_timing
+
+        return live_timing.section()
+    import hand_labels
+    import live_accuracy
+
+    return live_accuracy.section(*hand_labels.timit(options.data / "timit-sample", options.subset))
+
+
+def write(part: str, text: str) -> None:
+    """Put one part into the file and keep the other."""
+    kept = OUT.read_text(encoding="utf-8") if OUT.exists() else ""
+    halves = {name: _half(kept, name) for name in PARTS} | {part: text}
+    marked = [f"<!-- {name} -->\n{halves[name]}<!-- end of {name} -->\n" for name in PARTS]
+    OUT.write_text("\n".join([HEAD, *marked]), encoding="utf-8")
+
+
+def _half(kept: str, name: str) -> str:
+    _, found, rest = kept.partition(f"<!-- {name} -->\n")
+    return rest.partition(f"<!-- end of {name} -->")[0] if found else ""
+
+
+if __name__ == "__main__":
+    main()
