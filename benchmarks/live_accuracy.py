@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from hand_labels import Labelled
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from mien import channels
 from mien.corpus.layouts import load_layout
@@ -29,7 +30,6 @@ from mien.face.library import load_face
 from mien.face.retargeting import basis_at
 from mien.live.animator import LiveAnimator, LiveSettings
 from mien.models.authored_mouth import AuthoredMouth
-from mien.models.learned_mouth import nearest_sites
 from mien.models.performers import load_performer
 from mien.models.streaming_mouth import StreamingMouth, without_sound
 from mien.speech.align import align
@@ -66,7 +66,9 @@ class Mouth:
     def __init__(self) -> None:
         face, layout = load_face("default"), load_layout("mediapipe-218")
         names = [layout.landmarks[number] for number in (*_LIPS, 13, 14)]
-        sites = nearest_sites(face, layout.places[layout.index(names)])
+        skin = face.part("skin")
+        _, vertices = cKDTree(skin.vertices).query(layout.places[layout.index(names)])
+        sites = [(skin.name, int(vertex)) for vertex in vertices]
         self.basis = basis_at(face, sites, channels.ALL)
 
     def moved(self, values: Floats) -> Floats:
@@ -167,8 +169,8 @@ def section(items: list[Labelled], damaged: int) -> Iterator[str]:
     yield "## Against hand-made phones and against the offline result\n"
     yield (
         f"{len(items)} utterances of timit-sample, {len(speakers)} speakers ({damaged} damaged files left out); "
-        "definitions stand at the head of `benchmarks/live_accuracy.py`. Processor: of one core, for the whole way from "
-        "sound to channels.\n"
+        "definitions stand at the head of `benchmarks/live_accuracy.py`. Processor: of one core, for the whole way "
+        "from sound to channels.\n"
     )
     yield (
         "| what is shown | frames with the right viseme | of four speakers never looked at "
