@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sparse
 from character import ORIGINS, mirror_shapes, neutral
 from makehuman import Floats, Ints, MakeHuman
 from numpy.typing import NDArray
@@ -40,6 +41,8 @@ class Head:
         All MakeHuman vertices of the character, mm about the eyes.
     units : dict of str to ndarray
         The ARKit shapes on all MakeHuman vertices.
+    used : ndarray
+        The MakeHuman vertices that the skin is made of, and ``refine``, the matrix from those to the skin's.
     """
 
     skin: Sculpt
@@ -52,6 +55,8 @@ class Head:
     eye_radius: float
     identity: Floats
     units: dict[str, Floats]
+    used: Ints
+    refine: sparse.csr_matrix
 
 
 def fit_sphere(points: Floats) -> tuple[Floats, float]:
@@ -69,23 +74,24 @@ def _islands(data: MakeHuman, texture_faces: Ints) -> tuple[NDArray[np.bool_], N
     return socket, mouth
 
 
-def build_head(data: MakeHuman, lowest: float) -> Head:
-    """Cut, refine and unfold; ``lowest`` (mm) is where the trunk ends."""
-    identity = neutral(data)
+def build_head(data: MakeHuman, lowest: float, person: Floats | None = None) -> Head:
+    """Cut, refine and unfold; ``lowest`` (mm) is where the trunk ends.
+
+    ``person`` (all MakeHuman vertices, mm) is another character; it is cut and unfolded where the default one is, so
+    that the vertices of the two correspond.
+    """
+    cut, cut_spheres = _about_the_eyes(data, neutral(data))
+    identity, spheres = (cut, cut_spheres) if person is None else _about_the_eyes(data, person)
     units = mirror_shapes(data.face_units() | data.expression_units(ORIGINS), data.mirror())
-    spheres = [fit_sphere(identity[data.group_vertices(f"helper-{side}-eye")]) for side in "lr"]
-    centres = np.array([centre for centre, _ in spheres])
-    origin = centres.mean(0)
-    identity = identity - origin
     quads = np.array(data.groups["body"])
     texture_faces = np.array(data.texture_faces["body"])
     socket, mouth = _islands(data, texture_faces)
-    keep = (identity[quads][:, :, 1].min(1) > lowest) & (np.abs(identity[quads][:, :, 0]).max(1) < 275) & ~socket
+    keep = (cut[quads][:, :, 1].min(1) > lowest) & (np.abs(cut[quads][:, :, 0]).max(1) < 275) & ~socket
     used, local = np.unique(quads[keep], return_inverse=True)
     local = local.reshape(-1, 4)
     coarse = identity[used]
     in_mouth = np.unique(local[mouth[keep]])
-    flat = _unfolded(coarse, local, in_mouth)
+    flat = _unfolded(cut[used], local, in_mouth)
     matrix, fine = catmull_clark(len(used), local)
     triangles = triangulate(fine)
     skin = Sculpt("skin", coarse, local, {k: v[used] for k, v in units.items()}, flat)
@@ -106,11 +112,20 @@ def build_head(data: MakeHuman, lowest: float) -> Head:
         masks,
         holes,
         border_loops(local[mouth[keep]])[0],
-        centres - origin,
+        np.array([centre for centre, _ in spheres]),
         spheres[0][1],
         identity,
         units,
+        used,
+        matrix,
     )
+
+
+def _about_the_eyes(data: MakeHuman, shape: Floats) -> tuple[Floats, list[tuple[Floats, float]]]:
+    """A character moved so that the origin lies between its eyes, and the spheres of its eyeballs."""
+    spheres = [fit_sphere(shape[data.group_vertices(f"helper-{side}-eye")]) for side in "lr"]
+    origin = np.mean([centre for centre, _ in spheres], axis=0)
+    return shape - origin, [(centre - origin, radius) for centre, radius in spheres]
 
 
 def _unfolded(coarse: Floats, quads: Ints, in_mouth: Ints) -> Floats:

@@ -81,6 +81,11 @@ class MakeHuman:
         """Offsets of a target such as ``nose/nose-point-up``, shape (n, 3), millimetres."""
         return self._read(f"{_BASE}targets/{name}.target.gz")
 
+    def target_names(self) -> list[str]:
+        """Names of all targets of MakeHuman's own, sorted."""
+        start, end = f"{_BASE}targets/", ".target.gz"
+        return sorted(n[len(start) : -len(end)] for n in self._names if n.startswith(start) and n.endswith(end))
+
     def face_units(self) -> dict[str, Floats]:
         """The 52 ARKit shapes by name, each shape (n, 3), millimetres."""
         paths = sorted(p for p in self._names if p.startswith(_FACE_UNITS) and p.endswith(".target"))

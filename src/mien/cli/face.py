@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mien.cli import face_inspect, face_rig
+from mien.cli import face_fit, face_inspect, face_rig
 
 __all__ = ["add_command"]
 
@@ -15,3 +15,4 @@ def add_command(commands: Any) -> None:
     kinds = face.add_subparsers(title="face commands", required=True, metavar="FACE_COMMAND")
     face_rig.add_commands(kinds)
     face_inspect.add_command(kinds)
+    face_fit.add_command(kinds)
