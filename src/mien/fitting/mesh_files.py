@@ -1,8 +1,8 @@
 """Bare meshes out of OBJ, PLY and GLB files.
 
-OBJ: `mien.face.obj.read_obj`. PLY: ASCII and binary, any number of corners, colours of vertices. GLB: all meshes of the
-default scene where their nodes put them, at rest (no skinning, no morph targets); the base colour texture if all share one
-material.
+OBJ: `mien.face.obj.read_obj`. PLY: ASCII and binary, any number of corners, colours of vertices. GLB: all meshes of
+the default scene where their nodes put them, at rest (no skinning, no morph targets); the base colour texture if all
+share one material.
 """
 
 from __future__ import annotations

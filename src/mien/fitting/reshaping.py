@@ -1,8 +1,8 @@
 """The default face with another head's shape: all of it follows the skin, and lips and lids still meet.
 
 A target's displacement is turned and scaled by the local change of the surface (the Jacobian of the map from the
-default skin to the new one, least squares over each vertex's surroundings, smoothed). Then contact is restored as the default
-face has it: lips in the shapes of a closed mouth, lids in a blink, lids outside the eyeball on their way.
+default skin to the new one, least squares over each vertex's surroundings, smoothed). Then contact is restored as the
+default face has it: lips in the shapes of a closed mouth, lids in a blink, lids outside the eyeball on their way.
 """
 
 from __future__ import annotations

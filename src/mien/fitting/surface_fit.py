@@ -1,9 +1,9 @@
 """The default head's skin bent onto another head: first inside the space of heads, then freely but smoothly.
 
 Three steps. (1) Similarity and weights of the space's components, by point-to-plane ICP under their prior. (2) A
-thin-plate warp takes what the landmarks leave. (3) Displacements ``d`` of single vertices minimise
-``a |L d|^2 + sum_i w_i |x_i + d_i - q_i|^2`` with ``L`` the umbrella Laplacian and ``q_i`` the closest point that faces
-the same way, for falling stiffness ``a`` (nonrigid ICP in the manner of Amberg, Romdhani, Vetter 2007, with a thin-plate
+thin-plate warp takes what the landmarks leave. (3) Displacements ``d`` of single vertices minimise ``a |L d|^2 +
+sum_i w_i |x_i + d_i - q_i|^2`` with ``L`` the umbrella Laplacian and ``q_i`` the closest point that faces the same
+way, for falling stiffness ``a`` (nonrigid ICP in the manner of Amberg, Romdhani, Vetter 2007, with a thin-plate
 smoothness of displacements in place of their affine one).
 """
 

@@ -3,8 +3,8 @@
 Each vertex takes the displacement of the closest place of the fitted skin that faces the same way. Near lips and lids
 the two edges are told apart first: each vertex prefers the edge that is closer in place and facing, and neighbours on
 the head's own mesh vote with it (a harmonic smoothing of the preference), so that the head's connectivity, not bare
-distance, says what is upper and what is lower. Where nothing of the fitted skin is close (a deeper mouth, the lids' backs), the
-displacement is filled in smoothly over the mesh.
+distance, says what is upper and what is lower. Where nothing of the fitted skin is close (a deeper mouth, the lids'
+backs), the displacement is filled in smoothly over the mesh.
 """
 
 from __future__ import annotations
