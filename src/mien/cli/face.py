@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mien.cli import face_fit, face_inspect, face_rig
+from mien.cli import face_fit, face_inspect, face_photos, face_rig
 
 __all__ = ["add_command"]
 
@@ -16,3 +16,4 @@ def add_command(commands: Any) -> None:
     face_rig.add_commands(kinds)
     face_inspect.add_command(kinds)
     face_fit.add_command(kinds)
+    face_photos.add_command(kinds)
