@@ -35,7 +35,7 @@ def add_command(kinds: Any) -> None:
         type=float,
         default=0.9,
         metavar="0..1",
-        help="how much of the light to divide out (default 0.9)",
+        help="share of the light to divide out (default 0.9)",
     )
     parser.add_argument("--texture-size", type=int, default=1536, metavar="N", help="256 to 4096 (default 1536)")
     parser.set_defaults(run=_from_photos)

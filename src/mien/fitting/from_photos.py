@@ -17,6 +17,7 @@ from mien.fitting.photo_marks import Photo
 from mien.fitting.photo_paint import Painted, PaintSettings, paint_from_photos
 from mien.fitting.reshaping import reshaped_face
 from mien.fitting.shape_from_photos import PhotoFit, PhotoFitSettings, shape_from_photos
+from mien.fitting.surface import vertex_normals
 
 __all__ = ["PhotoFace", "face_from_photos"]
 
@@ -105,7 +106,7 @@ def _repainted(
     if part.name == SKIN:
         return replace(part, material=replace(part.material, texture=painted.texture))
     if part.name in _HAIR_PARTS:
-        colour = _hair_colour(space, painted, face)
+        colour = _hair_colour(space, painted, pictures, cameras, face)
         return part if colour is None else _coloured(part, colour)
     if part.name in {eye.part for eye in face.eyes}:
         eye = next(eye for eye in face.eyes if eye.part == part.name)
@@ -114,19 +115,30 @@ def _repainted(
     return part
 
 
-def _hair_colour(space: HeadSpace, painted: Painted, face: Face) -> Floats | None:
-    """Median colour (sRGB 0..1) of the scalp under the default's hair as far as photographs saw it."""
-    cap = face.part("hair").vertices
+def _hair_colour(
+    space: HeadSpace,
+    painted: Painted,
+    pictures: Sequence[NDArray[np.uint8]],
+    cameras: Sequence[PhotoCamera],
+    face: Face,
+) -> Floats | None:
+    """Median colour (sRGB 0..1) of the scalp under the default's hair, as photographs show it."""
     skin = face.part(SKIN)
-    away = cKDTree(cap).query(skin.vertices)[0]
+    away = cKDTree(face.part("hair").vertices).query(skin.vertices)[0]
     size = painted.texture.shape[0]
     place = np.clip((skin.uv * size).astype(int), 0, size - 1)
-    seen = painted.seen[place[:, 1], place[:, 0]] > 0.5
-    scalp = (away < 8.0) & seen & (skin.vertices[:, 1] > 25.0)
-    if scalp.sum() < 60:
-        return None
-    colours = painted.texture[place[:, 1], place[:, 0]][scalp] / 255
-    return np.asarray(np.median(colours, axis=0), dtype=np.float64)
+    seen = painted.seen[place[:, 1], place[:, 0]] > 0.3
+    scalp = np.flatnonzero((away < 8.0) & seen & (skin.vertices[:, 1] > 25.0))
+    normals = vertex_normals(skin.vertices.astype(np.float64), skin.triangles)
+    found = []
+    for picture, camera in zip(pictures, cameras, strict=True):
+        points = skin.vertices[scalp].astype(np.float64)
+        square = np.einsum("nc,nc->n", normals[scalp], camera.place() - points) > 0
+        column, row = camera.seen(points[square])[0].astype(int).T
+        within = (column >= 0) & (row >= 0) & (column < picture.shape[1]) & (row < picture.shape[0])
+        found.append(picture[row[within], column[within]] / 255)
+    colours = np.concatenate(found)
+    return np.asarray(np.median(colours, axis=0), dtype=np.float64) if len(colours) >= 60 else None
 
 
 def _coloured(part: Part, wanted: Floats) -> Part:
