@@ -23,7 +23,7 @@ def add_command(kinds: Any) -> None:
         "--landmarks",
         metavar="POINTS",
         nargs="+",
-        help="one file for each photograph, in their order ('-': found by the tracker), .csv, .json or .toml: names with "
+        help="one file for each photograph, in their order ('-': the tracker), .csv, .json or .toml: names with "
         "pixels from the upper left corner (default: a file named like the photograph beside it, else the tracker)",
     )
     parser.add_argument("--eye-distance", type=float, metavar="MM", help="between the eyes (default: the mean head's)")
