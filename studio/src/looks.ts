@@ -1,0 +1,114 @@
+// Lights, cameras and skin. Authored by eye.
+import {
+  Color, DirectionalLight, Group, HemisphereLight, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material,
+} from 'three';
+
+/** Light from a direction (x to the speaker's left, y up, z to the viewer), with a colour and a strength. */
+interface Lamp { from: [number, number, number]; colour: number; strength: number; shadow?: boolean }
+interface Lighting { lamps: Lamp[]; sky: number; ground: number; dome: number; around: number; back: [string, string] }
+
+export const LIGHTINGS: Readonly<Record<string, Lighting>> = {
+  portrait: {
+    lamps: [
+      { from: [0.55, 0.5, 0.8], colour: 0xfff0e2, strength: 2.5, shadow: true },
+      { from: [-0.8, 0.05, 0.6], colour: 0xcfe0ff, strength: 0.5 },
+      { from: [-0.85, 0.42, -0.52], colour: 0xe8f0ff, strength: 2.4 },
+    ],
+    sky: 0xdfe8f5, ground: 0x4a3a33, dome: 0.35, around: 0.38, back: ['#3b3e44', '#17181b'],
+  },
+  soft: {
+    lamps: [
+      { from: [-0.3, 0.6, 1], colour: 0xfff6ec, strength: 1.3, shadow: true },
+      { from: [0.8, 0.3, 0.8], colour: 0xffffff, strength: 0.8 },
+      { from: [0, 0.8, -1], colour: 0xffffff, strength: 1 },
+    ],
+    sky: 0xffffff, ground: 0x8a7a70, dome: 0.55, around: 0.6, back: ['#55585e', '#2a2c30'],
+  },
+  dramatic: {
+    lamps: [
+      { from: [-1, 0.5, 0.35], colour: 0xffdfc0, strength: 3.2, shadow: true },
+      { from: [0.9, 0.4, -0.8], colour: 0x8fb2ff, strength: 3.2 },
+    ],
+    sky: 0x8fa5c8, ground: 0x181414, dome: 0.14, around: 0.14, back: ['#1e2025', '#0a0a0c'],
+  },
+  even: {
+    lamps: [
+      { from: [-0.6, 0.3, 1], colour: 0xffffff, strength: 1.15 },
+      { from: [0.6, 0.3, 1], colour: 0xffffff, strength: 1.15 },
+    ],
+    sky: 0xffffff, ground: 0xbbbbbb, dome: 0.9, around: 0.4, back: ['#7b7e83', '#5c5f64'],
+  },
+};
+
+/** From where a face is seen: degrees around it and above it, and how much of its height fills the picture. */
+export interface View { around: number; above: number; fill: number; height: number }
+export const VIEWS: Readonly<Record<string, View>> = {
+  portrait: { around: 0, above: 2, fill: 1.06, height: 0.5 },
+  'three-quarter': { around: 32, above: 4, fill: 1.06, height: 0.5 },
+  profile: { around: 82, above: 2, fill: 1.06, height: 0.5 },
+  mouth: { around: 0, above: -2, fill: 0.42, height: 0.37 },
+};
+
+/** The lamps of a lighting, for a face of this size about its centre. */
+export function lampsOf({ lamps, sky, ground, dome }: Lighting, centre: Vector3, size: number, shadows: boolean): Group {
+  const group = new Group();
+  group.add(new HemisphereLight(sky, ground, dome));
+  for (const { from, colour, strength, shadow } of lamps) {
+    const lamp = new DirectionalLight(colour, strength);
+    lamp.position.copy(centre).addScaledVector(new Vector3(...from).normalize(), size * 2);
+    lamp.target.position.copy(centre);
+    if (shadow === true && shadows) castShadow(lamp, size);
+    group.add(lamp, lamp.target);
+  }
+  return group;
+}
+
+function castShadow(lamp: DirectionalLight, size: number): void {
+  lamp.castShadow = true;
+  lamp.shadow.mapSize.set(1024, 1024);
+  const { camera } = lamp.shadow;
+  camera.left = camera.bottom = -size * 0.75;
+  camera.right = camera.top = size * 0.75;
+  camera.near = size * 0.5;
+  camera.far = size * 4;
+  lamp.shadow.bias = -0.0006;
+  lamp.shadow.normalBias = size * 0.006;
+  lamp.shadow.radius = 5;
+}
+
+const SKIN = /skin|face|head|body|wolf3d_(head|body)/i;
+const NOT_SKIN = /hair|brow|lash|teeth|tooth|tongue|eye|cloth|shirt/i;
+
+/** The same surface as skin where its name says so: light runs a little around the edge into the shade, red farthest. */
+export function dressed(material: Material): Material {
+  if (!(material instanceof MeshStandardMaterial)) return material;
+  material.envMapIntensity = 1;
+  if (!SKIN.test(material.name) || NOT_SKIN.test(material.name)) return material;
+  const skin = new MeshPhysicalMaterial();
+  MeshStandardMaterial.prototype.copy.call(skin, material);
+  skin.name = material.name;
+  skin.roughness = Math.max(material.roughness, 0.5);
+  skin.specularIntensity = 0.7;
+  skin.sheen = 0.22;
+  skin.sheenRoughness = 0.45;
+  skin.sheenColor = new Color(0xffc9ae);
+  skin.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace('#include <lights_physical_pars_fragment>', SCATTER);
+  };
+  return skin;
+}
+
+// three.js's own diffuse term, with the cosine wrapped around by a share per colour (Green 2004, "Real-time approximations
+// to subsurface scattering", GPU Gems 16).
+const SCATTER = /* glsl */ `
+#include <lights_physical_pars_fragment>
+#undef RE_Direct
+void RE_Direct_Skin( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+  RE_Direct_Physical( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+  float plainCosine = dot( geometryNormal, directLight.direction );
+  vec3 wrap = vec3( 0.30, 0.12, 0.07 );
+  vec3 wrapped = max( ( vec3( plainCosine ) + wrap ) / ( ( 1.0 + wrap ) * ( 1.0 + wrap ) ), vec3( 0.0 ) );
+  reflectedLight.directDiffuse += ( wrapped - max( plainCosine, 0.0 ) ) * directLight.color * BRDF_Lambert( material.diffuseContribution );
+}
+#define RE_Direct RE_Direct_Skin
+`;

@@ -1,0 +1,119 @@
+// The studio's page, put together.
+import * as api from './api';
+import { button, make, options, showFault } from './dom';
+import { VIEWS, LIGHTINGS } from './looks';
+import { EditsPanel } from './panels/edits';
+import { ExportPanel } from './panels/export';
+import { FacePanel } from './panels/face';
+import { LinePanel } from './panels/line';
+import { Playback } from './playback';
+import { Session } from './session';
+import { helpDialog, listenToKeys } from './shortcuts';
+import { Stage } from './stage';
+import { Timeline } from './timeline/timeline';
+import { Tabs } from './tabs';
+import { transport } from './transport';
+import './style.css';
+
+declare global {
+  interface Window { mienStats: { summary: Stage['times']['summary']; reset: () => void; intervals: readonly number[]; work: readonly number[] } }
+}
+
+async function start(): Promise<void> {
+  const session = new Session(await api.about());
+  const playback = new Playback();
+  const canvas = make('canvas', { 'aria-label': 'The face', role: 'img' });
+  const backdrop = make('div', { class: 'backdrop' }, canvas);
+  const stage = new Stage(canvas, backdrop);
+  const timeline = new Timeline(session, playback);
+  const help = helpDialog();
+
+  const lights = make('select', { 'aria-label': 'Light', id: 'light' });
+  options(lights, Object.keys(LIGHTINGS).map((name): [string, string] => [name, `light: ${name}`]), 'portrait');
+  lights.addEventListener('change', () => stage.light(lights.value));
+  const views = make('select', { 'aria-label': 'Camera', id: 'camera' });
+  options(views, Object.keys(VIEWS).map((name): [string, string] => [name, `camera: ${name}`]), 'portrait');
+  const view = (name: string): void => { views.value = name; stage.view(name); };
+  views.addEventListener('change', () => view(views.value));
+
+  const show = (): void => {
+    if (session.clip !== undefined) stage.pose(session.clip.channels, session.clip.sample(playback.now));
+    else stage.touch();
+  };
+  const line = new LinePanel(session);
+  const face = new FacePanel(session, stage, show);
+  const files = new ExportPanel(session, () => ({ face: face.id, light: lights.value, camera: views.value }));
+  const tabs = new Tabs([
+    ['line', 'Line', line.element], ['edits', 'Edits', new EditsPanel(session).element],
+    ['export', 'Export', files.element], ['face', 'Face', face.element],
+  ], timeline.element);
+
+  const told = make('div', { class: 'told', role: 'status', 'aria-live': 'polite' });
+  const toast = make('p', { class: 'toast', role: 'alert', hidden: true });
+  const stageArea = make('section', { id: 'stage', 'aria-label': 'Face' }, backdrop, make('div', { class: 'looks' }, views, lights), told, toast);
+  document.body.append(make('main', {}, stageArea, tabs.element, transport(playback, session, timeline, () => help.showModal()), timeline.element, help));
+
+  session.on('frames', show);
+  playback.on('time', show);
+  session.on('take', ({ take, fresh }) => {
+    if (!fresh || session.sound === undefined) return;
+    playback.load(session.sound, take.seconds, take.fps);
+    void decoded(session.sound).then((sound) => timeline.setSound(sound.getChannelData(0), sound.sampleRate));
+  });
+  session.on('busy', (job) => {
+    told.replaceChildren(...(job === null ? [] : [
+      make('span', {}, `${job.step || job.state} …`), make('progress', { max: 1, ...(job.done ? { value: job.done } : {}) }),
+      button('Cancel', () => session.stopWork(), { class: 'small' })]));
+  });
+  let hiding = 0;
+  session.on('problem', ({ message, field }) => {
+    if (field !== null && showFault(field, message)) tabs.reveal(field);
+    else toast.textContent = message;
+    toast.hidden = field !== null && document.getElementById(`fault-${field}`) !== null;
+    clearTimeout(hiding);
+    hiding = window.setTimeout(() => { toast.hidden = true; }, 12_000);
+  });
+  listenToKeys({ playback, session, timeline, help: () => help.showModal(), view: (place) => view(Object.keys(VIEWS)[place] ?? 'portrait') });
+  dropFiles(line, face, tabs);
+
+  const { times } = stage;
+  window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work };
+  const tick = (): void => {
+    playback.tick();
+    stage.draw(playback.playing);
+    requestAnimationFrame(tick);
+  };
+  tick();
+  await face.show(session.about.default_face).catch((problem: unknown) => session.tell(problem));
+  document.body.dataset['ready'] = 'true';
+}
+
+async function decoded(wav: ArrayBuffer): Promise<AudioBuffer> {
+  return new OfflineAudioContext(1, 1, 48_000).decodeAudioData(wav.slice(0));
+}
+
+/** Sounds and faces may be dropped anywhere. */
+function dropFiles(line: LinePanel, face: FacePanel, tabs: Tabs): void {
+  document.addEventListener('dragover', (event) => {
+    event.preventDefault();
+    document.body.classList.add('dropping');
+  });
+  document.addEventListener('dragleave', (event) => { if (event.relatedTarget === null) document.body.classList.remove('dropping'); });
+  document.addEventListener('drop', (event) => {
+    event.preventDefault();
+    document.body.classList.remove('dropping');
+    const file = event.dataTransfer?.files[0];
+    if (file === undefined) return;
+    if (/\.(glb|vrm)$/i.test(file.name)) {
+      tabs.choose('face');
+      void face.upload(file);
+    } else {
+      tabs.choose('line');
+      line.useSound(file);
+    }
+  });
+}
+
+start().catch((problem: unknown) => {
+  document.body.append(make('p', { class: 'broken', role: 'alert' }, problem instanceof Error ? problem.message : String(problem)));
+});

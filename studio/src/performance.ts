@@ -1,0 +1,59 @@
+// The frames that are shown: what the server performed, with the keys of channels laid over it, and a first guess of what
+// a border or an intensity that is being dragged will do.
+import { MotionClip } from 'mien-viewer';
+import type { Speech } from './anchors';
+import { counts, held, intensityAt, type Point } from './curves';
+import { pointsOf } from './layer';
+import type { Blend, ChannelFacts, Layer } from './types';
+
+/** Lays the channel edits of a layer over frames (frames x channels), in place: what is set first, then what is added. */
+export function layOver(
+  values: Float32Array, channels: readonly string[], fps: number, layer: Layer, speech: Speech, facts: ReadonlyMap<string, ChannelFacts>,
+): void {
+  const edits = layer.edits.flatMap((edit) => (edit.kind === 'channel' ? [edit] : []));
+  edits.sort((a, b) => Number(a.mode === 'add') - Number(b.mode === 'add'));
+  for (const { channel, mode, interpolation, fade, keys } of edits) {
+    const column = channels.indexOf(channel);
+    const points = pointsOf(keys, speech);
+    if (column < 0 || points.length === 0) continue;
+    const { minimum, maximum } = facts.get(channel) ?? { minimum: 0, maximum: 1 };
+    for (let frame = 0, at = column; at < values.length; frame++, at += channels.length) {
+      const share = counts(points, frame / fps, fade);
+      if (share === 0) continue;
+      const value = held(points, frame / fps, interpolation) * share;
+      const moved = mode === 'set' ? (values[at] as number) * (1 - share) + value : (values[at] as number) + value;
+      values[at] = Math.min(Math.max(moved, minimum), maximum);
+    }
+  }
+}
+
+/** Frames as they would be if moments `from` were moved to `to` (both rising, the same number of them). */
+export function warped(values: Float32Array, width: number, fps: number, from: readonly number[], to: readonly number[]): Float32Array {
+  const clip = new MotionClip(Array.from({ length: width }, (_, i) => String(i)), fps, values);
+  const back = to.map((at, i): Point => [at, from[i] as number]);
+  const result = new Float32Array(values.length);
+  for (let frame = 0; frame * width < values.length; frame++) {
+    result.set(clip.sample(held(back, frame / fps, 'linear')), frame * width);
+  }
+  return result;
+}
+
+export interface Intensity { points: readonly Point[]; blend: Blend }
+const LEAST = 0.05;
+
+/** A first guess of another intensity: what the emotion adds to a neutral performance, made more or less. */
+export function reweighed(
+  values: Float32Array, neutral: Float32Array, width: number, fps: number, before: Intensity, after: Intensity,
+): Float32Array {
+  const result = values.slice();
+  for (let frame = 0; frame * width < values.length; frame++) {
+    const was = before.points.length === 0 ? 0 : intensityAt(before.points, frame / fps, before.blend);
+    const is = after.points.length === 0 ? 0 : intensityAt(after.points, frame / fps, after.blend);
+    if (was < LEAST || was === is) continue;
+    for (let i = frame * width; i < (frame + 1) * width; i++) {
+      const rest = neutral[i] as number;
+      result[i] = rest + ((values[i] as number) - rest) * (is / was);
+    }
+  }
+  return result;
+}

@@ -1,0 +1,193 @@
+// The face in its light: three.js, drawn only when something has changed.
+import { FaceRig } from 'mien-viewer';
+import {
+  ACESFilmicToneMapping, Box3, Group, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene, SRGBColorSpace,
+  Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Texture,
+} from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { dressed, LIGHTINGS, lampsOf, VIEWS } from './looks';
+import { takeOver, type SparseMorphs } from './sparse_morphs';
+import { FrameTimes } from './frame_times';
+
+const FIELD = 22; // degrees
+const SLOW_MS = 45; // the picture is made coarser where frames take longer than this
+const FINEST = 2;
+
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly times = new FrameTimes();
+  readonly controls: OrbitControls;
+  readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 100);
+  rig: FaceRig | undefined;
+  morphs: SparseMorphs[] = [];
+  lighting = 'portrait';
+  /** Called after the morphs and before the picture, with whether vertices moved. */
+  deform: ((moved: boolean) => void) | undefined;
+  private readonly scene = new Scene();
+  private readonly around: Texture;
+  private face: Group | undefined;
+  private lamps = new Group();
+  private box = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
+  private dirty = true;
+  private fineness: number;
+  private shadows = true;
+
+  constructor(readonly canvas: HTMLCanvasElement, private readonly backdrop: HTMLElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.renderer.toneMapping = ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.0;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.fineness = Math.min(globalThis.devicePixelRatio, FINEST);
+    const maker = new PMREMGenerator(this.renderer);
+    this.around = maker.fromScene(new RoomEnvironment(), 0.04).texture;
+    maker.dispose();
+    this.scene.environment = this.around;
+    this.scene.add(this.lamps);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enablePan = true;
+    this.controls.addEventListener('change', () => this.touch());
+    new ResizeObserver(() => this.fit()).observe(backdrop);
+    this.fit();
+    this.light('portrait');
+  }
+
+  /** Asks for a new picture. */
+  touch(): void { this.dirty = true; }
+
+  /** Shows a GLB as the face. */
+  async show(glb: ArrayBuffer): Promise<FaceRig> {
+    const { scene } = await new GLTFLoader().parseAsync(glb, '');
+    const rig = new FaceRig(scene);
+    const meshes: Mesh[] = [];
+    scene.traverse((part) => { if ((part as Mesh).isMesh) meshes.push(part as Mesh); });
+    for (const mesh of meshes) {
+      mesh.frustumCulled = false;
+      mesh.castShadow = mesh.receiveShadow = true;
+      mesh.material = Array.isArray(mesh.material) ? mesh.material.map(dressed) : dressed(mesh.material);
+    }
+    this.morphs = takeOver(meshes);
+    this.drop();
+    this.face = scene;
+    this.rig = rig;
+    this.scene.add(scene);
+    this.box = new Box3().setFromObject(scene);
+    this.light(this.lighting);
+    this.view('portrait');
+    return rig;
+  }
+
+  private drop(): void {
+    if (this.face === undefined) return;
+    this.scene.remove(this.face);
+    this.face.traverse((part) => {
+      const mesh = part as Mesh;
+      if (!mesh.isMesh) return;
+      mesh.geometry.dispose();
+      const materials: Material[] = Array.isArray(mesh.material) ? mesh.material : [mesh.material];
+      for (const material of materials) {
+        for (const value of Object.values(material)) if ((value as Texture | null)?.isTexture) (value as Texture).dispose();
+        material.dispose();
+      }
+    });
+  }
+
+  /** Meshes of the face. */
+  meshes(): Mesh[] {
+    const found: Mesh[] = [];
+    this.face?.traverse((part) => { if ((part as Mesh).isMesh) found.push(part as Mesh); });
+    return found;
+  }
+
+  pose(channels: readonly string[], values: ArrayLike<number>): void {
+    this.rig?.apply(channels, values);
+    this.touch();
+  }
+
+  light(name: string): void {
+    const lighting = LIGHTINGS[name] ?? LIGHTINGS['portrait'];
+    if (lighting === undefined) return;
+    this.lighting = name;
+    this.scene.remove(this.lamps);
+    for (const lamp of this.lamps.children) (lamp as { dispose?: () => void }).dispose?.();
+    this.lamps = lampsOf(lighting, this.centre(), this.size(), this.shadows);
+    this.scene.add(this.lamps);
+    this.scene.environmentIntensity = lighting.around;
+    this.backdrop.style.background = `radial-gradient(120% 90% at 50% 38%, ${lighting.back[0]}, ${lighting.back[1]})`;
+    this.touch();
+  }
+
+  view(name: string): void {
+    const view = VIEWS[name] ?? VIEWS['portrait'];
+    if (view === undefined) return;
+    const target = this.centre();
+    const size = this.size();
+    target.y = this.box.min.y + size * view.height;
+    const narrow = Math.max(1, 0.82 / this.camera.aspect);
+    const far = (size * view.fill * narrow) / (2 * Math.tan((FIELD * Math.PI) / 360));
+    const [around, above] = [(view.around * Math.PI) / 180, (view.above * Math.PI) / 180];
+    this.controls.target.copy(target);
+    const depth = (this.box.max.z - this.box.min.z) * 0.25;
+    this.camera.position.set(Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above))
+      .multiplyScalar(far + depth).add(target);
+    this.camera.near = size / 50;
+    this.camera.far = size * 40;
+    this.camera.updateProjectionMatrix();
+    this.controls.minDistance = size * 0.4;
+    this.controls.maxDistance = size * 12;
+    this.controls.update();
+    this.touch();
+  }
+
+  private centre(): Vector3 { return this.box.getCenter(new Vector3()); }
+  private size(): number { return this.box.max.y - this.box.min.y || 1; }
+
+  private fit(): void {
+    const { clientWidth: width, clientHeight: height } = this.backdrop;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(this.fineness);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.touch();
+  }
+
+  /** Where a point of the picture (pixels of the canvas) meets one of the meshes. */
+  under(x: number, y: number, meshes: Mesh[]): Intersection | undefined {
+    const { width, height } = this.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((x / width) * 2 - 1, 1 - (y / height) * 2), this.camera);
+    return caster.intersectObjects(meshes, false)[0];
+  }
+
+  /** Draws if anything changed; `busy` says that pictures follow each other, so that their times mean something. */
+  draw(busy: boolean): void {
+    if (!this.dirty) {
+      this.times.pause();
+      return;
+    }
+    this.dirty = false;
+    const began = performance.now();
+    let moved = false;
+    for (const morph of this.morphs) moved = morph.update() || moved;
+    this.deform?.(moved);
+    this.renderer.render(this.scene, this.camera);
+    this.times.add(performance.now() - began, busy);
+    if (busy && this.times.slowerThan(SLOW_MS)) this.coarser();
+  }
+
+  /** Fewer points, then no shadows: a face that keeps time is worth more than a fine one. */
+  private coarser(): void {
+    this.times.forgetPace();
+    if (this.fineness > 1) this.fineness = 1;
+    else if (this.shadows) {
+      this.shadows = false;
+      this.light(this.lighting);
+    } else if (this.fineness > 0.5) this.fineness = 0.5;
+    else return;
+    this.fit();
+  }
+}

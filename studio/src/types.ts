@@ -1,0 +1,71 @@
+// What the server and the page tell each other (docs/studio.md).
+export type Span = [number, number, string];
+
+export interface ChannelFacts { name: string; unit: string; minimum: number; maximum: number; group: string }
+export interface Voice { name: string; language: string }
+export interface Format { suffix: string; title: string; loses: string }
+
+export interface About {
+  version: string;
+  performers: string[];
+  voices: Voice[];
+  emotions: string[];
+  speech_models: string[];
+  languages: string[];
+  exports: string[];
+  formats?: Format[];
+  channels: ChannelFacts[];
+  lights: string[];
+  cameras: string[];
+  limits: { upload_bytes: number; text_characters: number; seconds: number };
+  default_face: string;
+}
+
+/** A phone of a word, or the k-th pause after a word (null: before the first). `occurrence` counts from 1, the others from 0. */
+export interface Place { word: string | null; occurrence?: number; phone?: number; pause?: number }
+/** A moment tied to what is said: a share of a phone or of a pause. */
+export interface Anchor extends Place { share: number }
+export type Blend = 'linear' | 'smooth' | 'spline' | 'hold';
+
+export interface BorderEdit { kind: 'border'; phone: Place; edge: 'start' | 'end'; shift: number }
+export interface Key { anchor: Anchor; value: number }
+export interface IntensityEdit { kind: 'intensity'; emotion: string; interpolation: Blend; points: Key[] }
+export interface ChannelEdit {
+  kind: 'channel'; channel: string; mode: 'add' | 'set'; interpolation: Blend; fade: number; keys: Key[];
+}
+export type Edit = BorderEdit | IntensityEdit | ChannelEdit;
+export interface Layer { format: 'mien-edits'; version: 1; edits: Edit[]; [other: string]: unknown }
+export interface Lost { edit: number; point?: number | null; why: string }
+
+export interface Emotion { name: string; points: [number, number][]; interpolation?: Blend; start?: number | null; end?: number | null }
+export interface TakeRequest {
+  text?: string; emotion?: string | string[]; voice?: string | null; language?: string | null; fps?: string | number; seed?: number;
+  performer?: string; speech_model?: string | null; prosody?: number; song?: boolean;
+}
+export interface Take {
+  take: string;
+  request: TakeRequest;
+  from_sound?: boolean;
+  fps: number;
+  frames: number;
+  seconds: number;
+  text: string;
+  words: Span[];
+  phones: Span[];
+  emotions: Emotion[];
+  channels: string[];
+  notes: { kind: string; message: string }[];
+  edits?: Layer;
+  lost?: Lost[];
+  revision: number;
+}
+export interface Job {
+  state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
+  step?: string;
+  done?: number;
+  error?: string | null;
+  field?: string | null;
+  take?: string | null;
+  file?: string | null;
+}
+export const emptyLayer = (): Layer => ({ format: 'mien-edits', version: 1, edits: [] });

@@ -1,0 +1,29 @@
+// The page: `npm run build` writes it into the Python package. `npm run dev` serves it beside a running `mien studio`,
+// whose address stands in MIEN_STUDIO.
+import { fileURLToPath } from 'node:url';
+import { defineConfig } from 'vitest/config';
+
+const at = (path: string): string => fileURLToPath(new URL(path, import.meta.url));
+const server = process.env['MIEN_STUDIO'] ?? 'http://127.0.0.1:8766';
+
+export default defineConfig({
+  base: './',
+  publicDir: false,
+  resolve: {
+    alias: [
+      { find: 'mien-viewer', replacement: at('../viewer/src/index.ts') },
+      { find: /^three$/, replacement: at('./node_modules/three/build/three.module.js') },
+      { find: /^three\/addons\//, replacement: at('./node_modules/three/examples/jsm/') },
+    ],
+  },
+  server: { host: '127.0.0.1', proxy: { '/api': { target: server, changeOrigin: true, headers: { origin: server } } } },
+  build: {
+    outDir: at(process.env['MIEN_PAGE'] ?? '../src/mien/assets/studio'),
+    emptyOutDir: true,
+    sourcemap: false,
+    target: 'es2022',
+    chunkSizeWarningLimit: 1200,
+    modulePreload: { polyfill: false },
+  },
+  test: { include: ['test/**/*.test.ts'] },
+});
