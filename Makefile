@@ -2,6 +2,7 @@
 # make test   all tests (sets up what they need)
 # make check  format, lint, types, import contract
 # make sheets the pictures in docs/
+# make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
 # make setup-festival   Festival with its English and Finnish voices, a separate program (Debian, Ubuntu; needs root)
 
 PYTHON ?= python3
@@ -11,7 +12,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
-.PHONY: setup-festival demo test check format wheel sheets clean
+# Node's packages as pinned, installed once for each change of the lock file.
+studio/node_modules/.mien-lock: studio/package-lock.json
+	cd studio && npm ci
+	cp $< $@
+
+.PHONY: setup-festival demo test check format wheel sheets page clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -64,6 +70,9 @@ sheets: $(VENV)/.dev
 	$(BIN)/python tools/render_sheets.py --out docs/pictures
 	$(BIN)/mien inspect default -o docs/pictures/performer
 	rm -f docs/pictures/performer/key-shapes-*.png
+
+page: studio/node_modules/.mien-lock
+	cd studio && npm run types && npm run build
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist

@@ -1,5 +1,5 @@
 // Between moments in seconds and moments tied to what is said.
-import type { Anchor, Place, Span } from './types';
+import type { Anchor, LineWord, Place, Span } from './types';
 
 export const PAUSES = new Set(['SIL', 'SP', '']);
 
@@ -11,8 +11,8 @@ export class Speech {
   /** One for each phone, in order; one for the whole line where there are none. */
   readonly stretches: Stretch[];
 
-  constructor(readonly words: readonly Span[], readonly phones: readonly Span[], readonly seconds: number) {
-    this.stretches = stretchesOf(words, phones, seconds);
+  constructor(readonly words: readonly Span[], readonly phones: readonly Span[], readonly seconds: number, line = lineOf(words, phones)) {
+    this.stretches = stretchesOf(phones, seconds, line);
   }
 
   anchor(at: number): Anchor {
@@ -31,21 +31,29 @@ export class Speech {
 export const same = (a: Place, b: Place): boolean =>
   a.word === b.word && (a.occurrence ?? 1) === (b.occurrence ?? 1) && a.phone === b.phone && a.pause === b.pause;
 
-function stretchesOf(words: readonly Span[], phones: readonly Span[], seconds: number): Stretch[] {
+function stretchesOf(phones: readonly Span[], seconds: number, line: readonly LineWord[]): Stretch[] {
   const heard = new Map<string, number>();
-  const occurrences = words.map(([, , word]) => {
-    heard.set(word, (heard.get(word) ?? 0) + 1);
-    return heard.get(word) as number;
+  const places = line.flatMap(({ word, phones: spoken, pauses }): Place[] => {
+    if (word !== null) heard.set(word, (heard.get(word) ?? 0) + 1);
+    const name: Place = word === null ? { word } : { word, occurrence: heard.get(word) as number };
+    return [...spoken.map((_, phone) => ({ ...name, phone })), ...pauses.map((_, pause) => ({ ...name, pause }))];
   });
-  const nameOf = (place: number): Place =>
-    place < 0 ? { word: null } : { word: (words[place] as Span)[2], occurrence: occurrences[place] as number };
-  let [word, phone, pause] = [-1, 0, 0]; // the word last begun, and how many phones and pauses came since
-  const result = phones.map(([begin, end]): Stretch => {
+  if (phones.length === 0) return [{ begin: 0, end: seconds, place: { word: null, pause: 0 } }];
+  return phones.flatMap(([begin, end], number): Stretch[] => {
+    const place = places[number];
+    return place === undefined ? [] : [{ begin, end, place }];
+  });
+}
+
+/** The line as the times of its words and phones tell it, where nobody else does. */
+export function lineOf(words: readonly Span[], phones: readonly Span[]): LineWord[] {
+  const line: LineWord[] = [{ word: null, phones: [], pauses: [] }];
+  let last = -1;
+  for (const [begin, end, label] of phones) {
     const middle = (begin + end) / 2;
     const inside = words.findIndex(([from, to]) => middle >= from && middle < to);
-    if (inside < 0) return { begin, end, place: { ...nameOf(word), pause: pause++ } };
-    if (inside !== word) [word, phone, pause] = [inside, 0, 0];
-    return { begin, end, place: { ...nameOf(word), phone: phone++ } };
-  });
-  return result.length > 0 ? result : [{ begin: 0, end: seconds, place: { word: null, pause: 0 } }];
+    if (inside > last) line.push({ word: (words[last = inside] as Span)[2], phones: [], pauses: [] });
+    (line.at(-1) as LineWord)[inside < 0 ? 'pauses' : 'phones'].push(label);
+  }
+  return line;
 }

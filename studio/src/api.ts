@@ -63,8 +63,8 @@ export interface ExportRequest { formats: string[]; face?: string; camera?: stri
 export const startExport = async (id: string, asked: ExportRequest): Promise<string> =>
   (await read<{ job: string }>(`/api/takes/${id}/export`, json('POST', asked))).job;
 
-export const putEdits = (id: string, layer: Layer): Promise<{ revision: number; frames?: [number, number]; lost?: Lost[] }> =>
-  read(`/api/takes/${id}/edits`, json('PUT', { layer }));
+export const putEdits = (id: string, layer: Layer): Promise<{ revision: number; lost?: Lost[]; take?: Take }> =>
+  read(`/api/takes/${id}/edits`, json('PUT', layer));
 export const getLayer = (id: string): Promise<Layer> => read(`/api/takes/${id}/layer`);
 export const checkLayer = (id: string, content: unknown): Promise<{ revision: number; lost?: Lost[] }> =>
   read(`/api/takes/${id}/layer`, json('PUT', content));

@@ -33,7 +33,7 @@ const keysOf = (points: readonly Point[], speech: Speech): Key[] =>
 
 /** The keys of a channel set to these points; none takes the edit away. */
 export function setChannel(
-  layer: Layer, channel: string, points: readonly Point[], speech: Speech, mode: 'add' | 'set',
+  layer: Layer, channel: string, points: readonly Point[], speech: Speech, mode: 'add' | 'replace',
 ): Layer {
   const others = layer.edits.filter((edit) => edit.kind !== 'channel' || edit.channel !== channel);
   if (points.length === 0) return withEdits(layer, others);

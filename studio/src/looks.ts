@@ -1,7 +1,10 @@
 // Lights, cameras and skin. Authored by eye.
 import {
-  Color, DirectionalLight, Group, HemisphereLight, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material,
+  Color, DirectionalLight, Group, HemisphereLight, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material,
 } from 'three';
+
+/** `full`: skin, reflections, shadows. `plain`: what a graphics card made of software can draw in time. */
+export type Quality = 'full' | 'plain';
 
 /** Light from a direction (x to the speaker's left, y up, z to the viewer), with a colour and a strength. */
 interface Lamp { from: [number, number, number]; colour: number; strength: number; shadow?: boolean }
@@ -40,19 +43,19 @@ export const LIGHTINGS: Readonly<Record<string, Lighting>> = {
   },
 };
 
-/** From where a face is seen: degrees around it and above it, and how much of its height fills the picture. */
+/** From where a face is seen: degrees around it and above it; the picture's height and its middle in heights of what moves. */
 export interface View { around: number; above: number; fill: number; height: number }
 export const VIEWS: Readonly<Record<string, View>> = {
-  portrait: { around: 0, above: 2, fill: 1.06, height: 0.5 },
-  'three-quarter': { around: 32, above: 4, fill: 1.06, height: 0.5 },
-  profile: { around: 82, above: 2, fill: 1.06, height: 0.5 },
-  mouth: { around: 0, above: -2, fill: 0.42, height: 0.37 },
+  portrait: { around: 0, above: 1, fill: 2.3, height: 0.62 },
+  'three-quarter': { around: 32, above: 3, fill: 2.3, height: 0.62 },
+  profile: { around: 82, above: 1, fill: 2.3, height: 0.62 },
+  mouth: { around: 0, above: -2, fill: 0.75, height: 0.3 },
 };
 
 /** The lamps of a lighting, for a face of this size about its centre. */
-export function lampsOf({ lamps, sky, ground, dome }: Lighting, centre: Vector3, size: number, shadows: boolean): Group {
+export function lampsOf({ lamps, sky, ground, dome }: Lighting, centre: Vector3, size: number, shadows: boolean, quality: Quality): Group {
   const group = new Group();
-  group.add(new HemisphereLight(sky, ground, dome));
+  group.add(new HemisphereLight(sky, ground, quality === 'full' ? dome : dome * 2.2));
   for (const { from, colour, strength, shadow } of lamps) {
     const lamp = new DirectionalLight(colour, strength);
     lamp.position.copy(centre).addScaledVector(new Vector3(...from).normalize(), size * 2);
@@ -80,8 +83,9 @@ const SKIN = /skin|face|head|body|wolf3d_(head|body)/i;
 const NOT_SKIN = /hair|brow|lash|teeth|tooth|tongue|eye|cloth|shirt/i;
 
 /** The same surface as skin where its name says so: light runs a little around the edge into the shade, red farthest. */
-export function dressed(material: Material): Material {
+export function dressed(material: Material, quality: Quality): Material {
   if (!(material instanceof MeshStandardMaterial)) return material;
+  if (quality === 'plain') return matt(material);
   material.envMapIntensity = 1;
   if (!SKIN.test(material.name) || NOT_SKIN.test(material.name)) return material;
   const skin = new MeshPhysicalMaterial();
@@ -96,6 +100,13 @@ export function dressed(material: Material): Material {
     shader.fragmentShader = shader.fragmentShader.replace('#include <lights_physical_pars_fragment>', SCATTER);
   };
   return skin;
+}
+
+function matt(material: MeshStandardMaterial): Material {
+  const { name, color, map, vertexColors, side, transparent, opacity, alphaTest, alphaMap } = material;
+  const plain = new MeshLambertMaterial({ color, map, vertexColors, side, transparent, opacity, alphaTest, alphaMap });
+  plain.name = name;
+  return plain;
 }
 
 // three.js's own diffuse term, with the cosine wrapped around by a share per colour (Green 2004, "Real-time approximations

@@ -77,6 +77,7 @@ async function start(): Promise<void> {
   dropFiles(line, face, tabs);
 
   const { times } = stage;
+  (window as unknown as { mienStage: Stage }).mienStage = stage;
   window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work };
   const tick = (): void => {
     playback.tick();

@@ -6,7 +6,7 @@ import { counts, held, intensityAt, type Point } from './curves';
 import { pointsOf } from './layer';
 import type { Blend, ChannelFacts, Layer } from './types';
 
-/** Lays the channel edits of a layer over frames (frames x channels), in place: what is set first, then what is added. */
+/** Lays the channel edits of a layer over frames (frames x channels), in place: what replaces first, then what is added. */
 export function layOver(
   values: Float32Array, channels: readonly string[], fps: number, layer: Layer, speech: Speech, facts: ReadonlyMap<string, ChannelFacts>,
 ): void {
@@ -21,7 +21,7 @@ export function layOver(
       const share = counts(points, frame / fps, fade);
       if (share === 0) continue;
       const value = held(points, frame / fps, interpolation) * share;
-      const moved = mode === 'set' ? (values[at] as number) * (1 - share) + value : (values[at] as number) + value;
+      const moved = mode === 'replace' ? (values[at] as number) * (1 - share) + value : (values[at] as number) + value;
       values[at] = Math.min(Math.max(moved, minimum), maximum);
     }
   }

@@ -112,7 +112,7 @@ export class Session extends Events<Happenings> {
     this.take = take;
     this.plain = plain as Float32Array<ArrayBuffer>;
     this.neutral = undefined;
-    this.speech = new Speech(take.words, take.phones, take.seconds);
+    this.speech = new Speech(take.words, take.phones, take.seconds, take.line);
     this.performedAs = performed(this.layer);
     this.lost = take.lost ?? [];
     this.emit('take', { take, fresh });
@@ -141,7 +141,7 @@ export class Session extends Events<Happenings> {
     const from = [0, begin, (take.phones[place] as Span)[1], end, take.seconds];
     const to = [0, begin, at, end, take.seconds];
     const base = warped(this.plain, take.channels.length, take.fps, from, to);
-    this.show(this.layer, base, new Speech(words, phones, take.seconds));
+    this.show(this.layer, base, new Speech(words, phones, take.seconds, take.line));
   }
 
   /** Shows an emotion with another intensity, as far as that can be guessed without the server. */
@@ -202,7 +202,7 @@ export class Session extends Events<Happenings> {
         this.saved = JSON.stringify(layer);
         if (this.take.take !== id) return;
         if (again) {
-          const [take, plain] = await Promise.all([api.take(id), api.frames(id, 'plain', answer.revision)]);
+          const [take, plain] = await Promise.all([answer.take ?? api.take(id), api.frames(id, 'plain', answer.revision)]);
           if (this.take.take !== id) return;
           this.accept(take, plain, false);
           this.performedAs = performed(layer);

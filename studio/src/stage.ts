@@ -7,7 +7,7 @@ import {
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { dressed, LIGHTINGS, lampsOf, VIEWS } from './looks';
+import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality } from './looks';
 import { takeOver, type SparseMorphs } from './sparse_morphs';
 import { FrameTimes } from './frame_times';
 
@@ -26,13 +26,14 @@ export class Stage {
   /** Called after the morphs and before the picture, with whether vertices moved. */
   deform: ((moved: boolean) => void) | undefined;
   private readonly scene = new Scene();
-  private readonly around: Texture;
+  readonly quality: Quality;
   private face: Group | undefined;
   private lamps = new Group();
   private box = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
+  private region = this.box;
   private dirty = true;
   private fineness: number;
-  private shadows = true;
+  private shadows: boolean;
 
   constructor(readonly canvas: HTMLCanvasElement, private readonly backdrop: HTMLElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
@@ -42,10 +43,9 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.fineness = Math.min(globalThis.devicePixelRatio, FINEST);
-    const maker = new PMREMGenerator(this.renderer);
-    this.around = maker.fromScene(new RoomEnvironment(), 0.04).texture;
-    maker.dispose();
-    this.scene.environment = this.around;
+    this.quality = chosenQuality(this.renderer);
+    this.shadows = this.quality === 'full';
+    if (this.quality === 'full') this.reflect();
     this.scene.add(this.lamps);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enablePan = true;
@@ -53,6 +53,13 @@ export class Stage {
     new ResizeObserver(() => this.fit()).observe(backdrop);
     this.fit();
     this.light('portrait');
+  }
+
+  /** A room of soft lamps, for reflections. */
+  private reflect(): void {
+    const maker = new PMREMGenerator(this.renderer);
+    this.scene.environment = maker.fromScene(new RoomEnvironment(), 0.04).texture;
+    maker.dispose();
   }
 
   /** Asks for a new picture. */
@@ -67,7 +74,7 @@ export class Stage {
     for (const mesh of meshes) {
       mesh.frustumCulled = false;
       mesh.castShadow = mesh.receiveShadow = true;
-      mesh.material = Array.isArray(mesh.material) ? mesh.material.map(dressed) : dressed(mesh.material);
+      mesh.material = Array.isArray(mesh.material) ? mesh.material.map((one) => dressed(one, this.quality)) : dressed(mesh.material, this.quality);
     }
     this.morphs = takeOver(meshes);
     this.drop();
@@ -75,6 +82,7 @@ export class Stage {
     this.rig = rig;
     this.scene.add(scene);
     this.box = new Box3().setFromObject(scene);
+    this.region = movingBox(this.morphs) ?? this.box;
     this.light(this.lighting);
     this.view('portrait');
     return rig;
@@ -113,7 +121,7 @@ export class Stage {
     this.lighting = name;
     this.scene.remove(this.lamps);
     for (const lamp of this.lamps.children) (lamp as { dispose?: () => void }).dispose?.();
-    this.lamps = lampsOf(lighting, this.centre(), this.size(), this.shadows);
+    this.lamps = lampsOf(lighting, this.centre(), this.size(), this.shadows, this.quality);
     this.scene.add(this.lamps);
     this.scene.environmentIntensity = lighting.around;
     this.backdrop.style.background = `radial-gradient(120% 90% at 50% 38%, ${lighting.back[0]}, ${lighting.back[1]})`;
@@ -123,16 +131,15 @@ export class Stage {
   view(name: string): void {
     const view = VIEWS[name] ?? VIEWS['portrait'];
     if (view === undefined) return;
-    const target = this.centre();
-    const size = this.size();
-    target.y = this.box.min.y + size * view.height;
-    const narrow = Math.max(1, 0.82 / this.camera.aspect);
+    const target = this.region.getCenter(new Vector3());
+    const size = this.region.max.y - this.region.min.y;
+    target.y = this.region.min.y + size * view.height;
+    const narrow = Math.max(1, 0.78 / this.camera.aspect);
     const far = (size * view.fill * narrow) / (2 * Math.tan((FIELD * Math.PI) / 360));
     const [around, above] = [(view.around * Math.PI) / 180, (view.above * Math.PI) / 180];
     this.controls.target.copy(target);
-    const depth = (this.box.max.z - this.box.min.z) * 0.25;
     this.camera.position.set(Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above))
-      .multiplyScalar(far + depth).add(target);
+      .multiplyScalar(far).add(target);
     this.camera.near = size / 50;
     this.camera.far = size * 40;
     this.camera.updateProjectionMatrix();
@@ -190,4 +197,31 @@ export class Stage {
     else return;
     this.fit();
   }
+}
+
+const MOVES = 0.2; // of the farthest that any vertex moves
+
+/** The box around what moves: the face, without shoulders and hair. */
+function movingBox(morphs: readonly SparseMorphs[]): Box3 | undefined {
+  const box = new Box3();
+  const reaches = morphs.map((morph) => morph.reach());
+  const least = MOVES * Math.max(0, ...reaches.map((reach) => reach.reduce((most, one) => Math.max(most, one), 0)));
+  morphs.forEach((morph, number) => {
+    morph.mesh.updateWorldMatrix(true, false);
+    reaches[number]?.forEach((reach, v) => {
+      if (reach <= least) return;
+      box.expandByPoint(new Vector3().fromArray(morph.rest, 3 * v).applyMatrix4(morph.mesh.matrixWorld));
+    });
+  });
+  return box.isEmpty() ? undefined : box;
+}
+
+/** What is asked for in the page's address (`?quality=full`), or else what the machine can draw. */
+function chosenQuality(renderer: WebGLRenderer): Quality {
+  const asked = new URLSearchParams(location.search).get('quality');
+  if (asked === 'full' || asked === 'plain') return asked;
+  const gl = renderer.getContext();
+  const known = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = known === null ? '' : String(gl.getParameter(known.UNMASKED_RENDERER_WEBGL));
+  return /swiftshader|llvmpipe|software/i.test(name) ? 'plain' : 'full';
 }

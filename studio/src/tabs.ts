@@ -19,7 +19,7 @@ export class Tabs {
   }
 
   private add(list: HTMLElement, name: string, label: string, panel: HTMLElement): void {
-    const tab = make('button', { type: 'button', role: 'tab', id: `tab-${name}`, 'aria-controls': panel.id, class: name }, label);
+    const tab = make('button', { type: 'button', role: 'tab', id: `tab-${name}`, 'aria-controls': panel.id, class: `for-${name}` }, label);
     panel.setAttribute('aria-labelledby', tab.id);
     tab.addEventListener('click', () => this.choose(name));
     list.append(tab);

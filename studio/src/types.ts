@@ -23,6 +23,8 @@ export interface About {
 
 /** A phone of a word, or the k-th pause after a word (null: before the first). `occurrence` counts from 1, the others from 0. */
 export interface Place { word: string | null; occurrence?: number; phone?: number; pause?: number }
+/** What the phones of a line belong to: first what is before the first word, then each word with the pauses after it. */
+export interface LineWord { word: string | null; phones: string[]; pauses: string[] }
 /** A moment tied to what is said: a share of a phone or of a pause. */
 export interface Anchor extends Place { share: number }
 export type Blend = 'linear' | 'smooth' | 'spline' | 'hold';
@@ -31,7 +33,7 @@ export interface BorderEdit { kind: 'border'; phone: Place; edge: 'start' | 'end
 export interface Key { anchor: Anchor; value: number }
 export interface IntensityEdit { kind: 'intensity'; emotion: string; interpolation: Blend; points: Key[] }
 export interface ChannelEdit {
-  kind: 'channel'; channel: string; mode: 'add' | 'set'; interpolation: Blend; fade: number; keys: Key[];
+  kind: 'channel'; channel: string; mode: 'add' | 'replace'; interpolation: Blend; fade: number; keys: Key[];
 }
 export type Edit = BorderEdit | IntensityEdit | ChannelEdit;
 export interface Layer { format: 'mien-edits'; version: 1; edits: Edit[]; [other: string]: unknown }
@@ -56,6 +58,7 @@ export interface Take {
   channels: string[];
   notes: { kind: string; message: string }[];
   edits?: Layer;
+  line?: LineWord[];
   lost?: Lost[];
   revision: number;
 }

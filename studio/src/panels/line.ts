@@ -4,6 +4,7 @@ import type { Session } from '../session';
 import type { TakeRequest } from '../types';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
+const DROP = 'or drop a sound file here';
 const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'prosody', 'seed', 'fps'];
 
 export class LinePanel {
@@ -27,6 +28,7 @@ export class LinePanel {
 
   constructor(private readonly session: Session) {
     this.text.value = EXAMPLE;
+    this.fileName.textContent = DROP;
     this.fill();
     const drop = make('div', { class: 'drop' }, make('label', { class: 'button', for: 'field-sound' }, 'Recording …'), this.file, this.fileName, this.noSound);
     const more = make('details', { class: 'more' }, make('summary', {}, 'Voice, performer and more'),
@@ -86,7 +88,7 @@ export class LinePanel {
     }
     this.recording = file;
     this.file.value = '';
-    this.fileName.textContent = file?.name ?? 'or drop a sound file here';
+    this.fileName.textContent = file?.name ?? DROP;
     this.noSound.hidden = file === undefined;
     this.text.placeholder = file === undefined ? 'What shall be said?' : 'What is said in the recording? Empty: it is recognised.';
     if (file !== undefined && this.text.value === EXAMPLE) this.text.value = '';

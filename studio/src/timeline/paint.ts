@@ -103,7 +103,8 @@ export function paintIntensity({ context, width, height, window, colour }: Brush
   context.stroke();
 }
 
-const level = (value: number, height: number): number => height - 1 - value * (height - 2);
+const INSET = 6; // px: as the handles' layer in style.css
+const level = (value: number, height: number): number => height - INSET - value * (height - 2 * INSET);
 
 /** A channel over time, from its lowest to its highest value. */
 export function paintChannel({ context, width, height, window, colour }: Brush, clip: MotionClip, channel: string, range: [number, number]): void {

@@ -243,7 +243,7 @@ export class Timeline {
       remove: ({ key }) => keep(get().points.filter((_, place) => `point-${place}` !== key)),
     }, () => 1 / this.playback.fps);
     lane.body.addEventListener('dblclick', (event) => {
-      const area = lane.body.getBoundingClientRect();
+      const area = lane.layer.getBoundingClientRect();
       const share = Math.min(Math.max(1 - (event.clientY - area.top) / area.height, 0), 1);
       keep([...get().points, [this.secondsAt(event), scale.from(share)]]);
     });
@@ -299,7 +299,7 @@ export class Timeline {
       return { points: edit === undefined ? [] : pointsOf(edit.keys, session.speech), edited: edit !== undefined };
     };
     const changed = (points: Point[]): Layer =>
-      setChannel(session.layer, name, apart(points), session.speech, channelEdit(session.layer, name)?.mode ?? 'set');
+      setChannel(session.layer, name, apart(points), session.speech, channelEdit(session.layer, name)?.mode ?? 'replace');
     const lane = new Lane(name, 'channel', this.window, (brush) => {
       if (this.clip !== undefined) paintChannel(brush, this.clip, name, [minimum, maximum]);
     }, name,
@@ -308,7 +308,7 @@ export class Timeline {
         const column = this.clip?.channels.indexOf(name) ?? -1;
         if (column >= 0) keep([...get().points, [at, this.clip?.sample(at)[column] ?? 0]]);
       }),
-      button(`Reset ${name}`, () => session.commit(setChannel(session.layer, name, [], session.speech, 'set')), { class: 'small reset' }, icon(ICONS.undo)),
+      button(`Reset ${name}`, () => session.commit(setChannel(session.layer, name, [], session.speech, 'replace')), { class: 'small reset' }, icon(ICONS.undo)),
       button(`Hide ${name}`, () => this.channels.toggle(name, false), { class: 'small' }, icon(ICONS.cross)));
     const keep = (points: Point[]): void => session.commit(changed(points));
     const row = this.curve(lane, name, get, (points) => session.show(changed(points)), keep, {

@@ -2,11 +2,12 @@
 import { Events } from '../events';
 
 const CLOSEST = 0.15; // s over the whole width
+const MARGIN = 12; // px on both sides, so that what stands at the ends can be taken hold of
 
 export class TimeWindow extends Events<{ change: void }> {
   first = 0;
   last = 1;
-  width = 1;
+  width = 1000;
   private total = 1;
 
   setTotal(seconds: number): void {
@@ -15,14 +16,14 @@ export class TimeWindow extends Events<{ change: void }> {
   }
 
   setWidth(pixels: number): void {
-    if (pixels === this.width || pixels <= 0) return;
+    if (pixels === this.width || pixels <= 2 * MARGIN) return;
     this.width = pixels;
     this.emit('change', undefined);
   }
 
   get span(): number { return this.last - this.first; }
-  x(seconds: number): number { return ((seconds - this.first) / this.span) * this.width; }
-  seconds(x: number): number { return this.first + (x / this.width) * this.span; }
+  x(seconds: number): number { return MARGIN + ((seconds - this.first) / this.span) * (this.width - 2 * MARGIN); }
+  seconds(x: number): number { return this.first + ((x - MARGIN) / (this.width - 2 * MARGIN)) * this.span; }
   holds(seconds: number, margin = 0): boolean { return seconds >= this.first - margin && seconds <= this.last + margin; }
 
   show(first: number, last: number): void {
