@@ -23,6 +23,7 @@ export default defineConfig({
     sourcemap: false,
     target: 'es2022',
     chunkSizeWarningLimit: 1200,
+    rollupOptions: { output: { postBanner: '/*! Holds three.js: MIT, Copyright (c) 2010-2026 three.js authors; see NOTICE of mien. */' } },
     modulePreload: { polyfill: false },
   },
   test: { include: ['test/**/*.test.ts'] },

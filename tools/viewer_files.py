@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import json
 import sys
-import tomllib
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -20,34 +18,71 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.faces import tiny_animation, tiny_face
 
 from mien.channels import ALL, HEAD, WEIGHTS
+from mien.face.foreign.names import Convention, conventions, name_tables, recognised
 from mien.live.frames import END, Frame, Greeting, encode_frame
 from mien.output.driven_glb import drive_glb
 from mien.output.gltf import write_glb
 from mien.output.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
 from mien.output.native import write_native
-from mien.output.turning_nodes import _EYE_DEGREES
 
 FRAMES = 6
 
 
+CONVENTIONS = ("ARKit", "Oculus visemes", "VRM and five vowels", "VRoid, VRM lids and MMD")
+"""What of mien's tables of names the player carries; it takes others from a `mien face inspect`."""
+SPELT = ("jaw_open", "blendShape1.jawOpen", "browDown_L", "Left_eyeBlink", "mouthRollLower_R", "viseme_aa", "viseme_PP", "viseme_O",
+         "A", "I", "U", "Fcl_MTH_O", "nonsense", "constructor", "MOUTHSMILELEFT", "nostrilDilator_L", "あ", "い")  # fmt: skip
+
+
 def tables() -> str:
     """The source of ``viewer/src/tables.ts``."""
-    names = tomllib.loads((resources.files("mien") / "assets" / "rigs" / "names.toml").read_text("utf-8"))
+    names = name_tables()
 
     def table(content: object) -> str:
         return json.dumps(content, indent=1, ensure_ascii=False)
 
-    sums = "Readonly<Record<string, Readonly<Record<string, number>>>>"
+    known = [
+        {
+            "title": one.title,
+            "kind": _kind(one),
+            "needs": one.needs,
+            "targets": {k: m.recipe for k, m in one.targets.items()},
+        }
+        for title in CONVENTIONS
+        for one in conventions()
+        if one.title == title
+    ]
     constants = {
         "WEIGHTS: readonly string[]": WEIGHTS,
         "HEAD: readonly string[]": HEAD,
-        f"SPELLINGS: {sums}": names["arkit"],
-        f"VISEMES: {sums}": names["visemes"],
+        "CONVENTIONS: readonly Convention[]": known,
         "NODES: Readonly<Record<string, readonly string[]>>": names["nodes"],
-        "EYE_DEGREES: Readonly<Record<string, number>>": {way.lower(): value for way, value in _EYE_DEGREES.items()},
+        "EYE_DEGREES: Readonly<Record<string, number>>": {way.lower(): value for way, value in names["eyes"].items()},
     }
-    first = "// Written by tools/viewer_files.py from mien.channels and src/mien/assets/rigs/names.toml. Do not edit.\n"
+    first = (
+        "// Written by tools/viewer_files.py from mien.channels and src/mien/assets/rigs. Do not edit.\n" + CONVENTION
+    )
     return first + "".join(f"export const {name} = {table(value)};\n" for name, value in constants.items())
+
+
+CONVENTION = """export interface Convention {
+  title: string; kind: string; needs: number; targets: Readonly<Record<string, Readonly<Record<string, number>>>>;
+}
+"""
+
+
+def _kind(convention: Convention) -> str:
+    return next(match.kind for match in convention.targets.values() if match.kind != "spare")
+
+
+def spelt() -> dict[str, object]:
+    """What mien itself makes of names, each seen among enough of its kind."""
+    found = recognised(SPELT)
+    told = {
+        name: match and match.convention in CONVENTIONS and match.recipe
+        for name, match in zip(SPELT, found, strict=True)
+    }
+    return {name: recipe or {} for name, recipe in told.items()}
 
 
 def foreign_glb(path: Path) -> None:
@@ -98,6 +133,7 @@ def write(folder: Path) -> None:
     (golden / "greeting.txt").write_text(greeting.encode(), "utf-8")
     (golden / "end.txt").write_text(END, "utf-8")
     (golden / "frames.bin").write_bytes(b"".join(encode_frame(frame) for frame in frames))
+    (golden / "names.json").write_text(json.dumps(spelt(), ensure_ascii=False, indent=1) + "\n", "utf-8")
     (golden / "values.json").write_text(json.dumps({"channels": ALL, "values": rows.tolist()}) + "\n", "utf-8")
 
 

@@ -2,7 +2,7 @@ export { contextClock, mediaClock, wallClock, type Clock } from './clocks.js';
 export { MienError } from './errors.js';
 export { readGlb } from './glb.js';
 export { MotionClip, type Facts, type Motion, type Span } from './motion.js';
-export { channelOf, recipeOf, type Recipe } from './names.js';
+export { channelOf, recipesOf, type Recipe } from './names.js';
 export { readAnimation } from './native.js';
 export { loadMotion, MienFace, type PlayOptions } from './player.js';
 export { FaceRig, type RigOptions } from './rig.js';

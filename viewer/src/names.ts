@@ -1,55 +1,72 @@
-// Which channels drive a morph target, by its name: the same rules as mien's own (docs/faces.md).
-import { NODES, SPELLINGS, VISEMES, WEIGHTS } from './tables.js';
+// Which channels drive a morph target, by its name: mien's own tables of ARKit, Oculus, VRM and VRoid (docs/faces.md).
+import { CONVENTIONS, NODES, WEIGHTS, type Convention } from './tables.js';
 
 /** Weight of a target = sum of gain x channel, kept within 0..1. */
 export type Recipe = Readonly<Record<string, number>>;
 
 /** So many of ARKit's shapes on one mesh, and it is driven by those alone. */
-const ENOUGH_ARKIT = 10;
+const ENOUGH_SHAPES = 10;
 const NOTHING: Recipe = {};
+const WORD = /[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\p{L}\p{N}_\W]+|[^\x00-\x7F]+/gu;
+const SIDES: Readonly<Record<string, string>> = { l: 'left', lt: 'left', left: 'left', r: 'right', rt: 'right', right: 'right' };
+const [SHAPES, ...OTHERS] = CONVENTIONS as [Convention, ...Convention[]];
 
-const plain = (name: string): string => name.toLowerCase().replace(/[^a-z0-9]/g, '');
-const spelt = new Map(WEIGHTS.map((name) => [plain(name), name]));
-const last = (name: string): string => name.slice(name.lastIndexOf('.') + 1);
+/** A name as it is compared: its words run together in lower case, the side at the end if there is one. */
+export function spelling(name: string): string {
+  const words = (name.match(WORD) ?? []).map((word) => word.toLowerCase()).map((word) => SIDES[word] ?? (/^\d+$/.test(word) ? String(Number(word)) : word));
+  const sides = words.filter((word) => word === 'left' || word === 'right');
+  if (sides.length !== 1) return words.join('');
+  return words.filter((word) => word !== sides[0]).join('') + (sides[0] as string);
+}
+
+const spelt = new Map(WEIGHTS.map((name) => [spelling(name), name]));
+const last = (name: string): string => name.split(/\.|\||:|__/).pop() as string;
+const ways = (name: string): string[] => [...new Set([spelling(name), spelling(last(name)), name.toLowerCase()])];
 
 /** The channel whose own name this is, in whatever spelling; `undefined` if there is none. */
 export function channelOf(name: string): string | undefined {
   if (WEIGHTS.includes(name)) return name;
-  const short = last(name).replace(/_(L|R)$/, (_, side: string) => (side === 'L' ? 'Left' : 'Right'));
-  return spelt.get(plain(short));
+  for (const way of ways(name)) {
+    const channel = spelt.get(way) ?? WEIGHTS.find((weight) => weight.toLowerCase() === way);
+    if (channel !== undefined) return channel;
+  }
+  return undefined;
 }
 
-/** What drives a target of this name; empty if the name is not known. */
-export function recipeOf(name: string): Recipe {
-  const channel = channelOf(name);
-  if (channel !== undefined) return { [channel]: 1 };
-  const short = plain(last(name));
-  const viseme = short.replace(/^(viseme|vrcv|fclmth|fcleye|v)(?=.)/, '');
-  return own(SPELLINGS, short) ?? own(VISEMES, viseme) ?? NOTHING;
-}
-
-/** What drives each target of one mesh; visemes rest on a mesh that has ARKit's shapes. */
+/** What drives each target of one mesh, known by its own names or by enough names of one convention. */
 export function recipesOf(names: readonly string[]): Recipe[] {
   const channels = names.map(channelOf);
-  const onlyArkit = channels.filter((channel) => channel !== undefined).length >= ENOUGH_ARKIT;
-  const parted = !channels.includes('browInnerUp'); // ARKit's one shape, in two halves
+  const shaped = channels.filter((channel) => channel !== undefined).length >= ENOUGH_SHAPES;
+  const others = shaped ? [] : OTHERS.filter(({ needs, targets }) => names.filter((name) => found(targets, name)).length >= needs);
   return names.map((name, place) => {
     const channel = channels[place];
-    if (parted && channel?.startsWith('browInnerUp')) return { browInnerUp: 1, [channel]: 1 };
-    return onlyArkit && channel === undefined ? NOTHING : recipeOf(name);
+    const whole = channel === undefined ? undefined : channel.replace(/(Left|Right)$/, '');
+    // One shape of ARKit in two halves ("browInnerUp_L"), where the whole one is not there.
+    const split = whole !== undefined && whole !== channel && WEIGHTS.includes(whole) && !channels.includes(whole);
+    if (channel !== undefined) return (split ? found(SHAPES.targets, channel) : undefined) ?? { [channel]: 1 };
+    for (const { targets } of shaped ? [SHAPES] : [SHAPES, ...others]) {
+      const recipe = found(targets, name);
+      if (recipe !== undefined && !taken(recipe, channels)) return recipe;
+    }
+    return NOTHING;
   });
+}
+
+/** Whether channels have targets of their own on the mesh already. */
+const taken = (recipe: Recipe, channels: readonly (string | undefined)[]): boolean =>
+  Object.keys(recipe).every((channel) => channels.includes(channel));
+
+function found(targets: Convention['targets'], name: string): Recipe | undefined {
+  for (const way of ways(name)) if (Object.hasOwn(targets, way)) return targets[way];
+  return undefined;
 }
 
 /** Which of `names` is the best for the head, the left or the right eye; -1 if none is. */
 export function turningNode(part: string, names: readonly string[]): number {
-  const short = names.map(plain);
+  const plain = names.map((name) => name.toLowerCase().replace(/[^\p{L}\p{N}]/gu, ''));
   for (const known of NODES[part] ?? []) {
-    const place = short.indexOf(known);
+    const place = plain.indexOf(known);
     if (place >= 0) return place;
   }
   return -1;
-}
-
-function own<T>(table: Readonly<Record<string, T>>, name: string): T | undefined {
-  return Object.hasOwn(table, name) ? table[name] : undefined;
 }

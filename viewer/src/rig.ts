@@ -1,6 +1,6 @@
 // Any three.js face, moved by channels.
 import { Quaternion, type Mesh, type Object3D } from 'three';
-import { recipesOf, turningNode } from './names.js';
+import { recipesOf, turningNode, type Recipe } from './names.js';
 import { EYE_DEGREES } from './tables.js';
 import { turnOf } from './turns.js';
 
@@ -11,6 +11,8 @@ interface Plan { readonly weights: { mesh: Mesh; target: number; columns: Int32A
 export interface RigOptions {
   /** Degrees that an eye turns at weight 1 of its eyeLook channels. */
   eyeDegrees?: { up: number; down: number; in: number; out: number };
+  /** What drives targets by their names, in place of what their names say: as `mien face inspect` tells it. */
+  recipes?: Readonly<Record<string, Recipe>>;
 }
 
 /**
@@ -31,23 +33,24 @@ export class FaceRig {
 
   constructor(readonly object: Object3D, options: RigOptions = {}) {
     this.degrees = options.eyeDegrees ?? EYE_DEGREES;
-    object.traverse((part) => this.addMesh(part as Mesh));
+    object.traverse((part) => this.addMesh(part as Mesh, options.recipes));
     this.turning = turningNodes(object);
     const known = this.driven.flatMap(({ parts }) => parts.map(([name]) => name));
     this.channels = new Set([...known, ...this.turning.flatMap(({ part }) => channelsOfTurn(part))]);
     this.unknown = this.byName.map(({ mesh, name }) => `${mesh.name}: ${name}`);
   }
 
-  private addMesh(mesh: Mesh): void {
+  private addMesh(mesh: Mesh, given?: Readonly<Record<string, Recipe>>): void {
     const dictionary = mesh.morphTargetDictionary;
     if (dictionary === undefined || mesh.morphTargetInfluences === undefined) return;
     const names = Object.keys(dictionary);
-    recipesOf(names).forEach((recipe, place) => {
+    recipesOf(names).forEach((known, place) => {
       const name = names[place] as string;
+      const recipe = given === undefined ? known : given[name] ?? {};
       const target = dictionary[name] as number;
       const parts = Object.entries(recipe);
       if (parts.length > 0) this.driven.push({ mesh, target, parts });
-      else this.byName.push({ mesh, target, name });
+      else if (given === undefined) this.byName.push({ mesh, target, name });
     });
   }
 

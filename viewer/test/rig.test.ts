@@ -1,19 +1,23 @@
 import { Bone, Object3D, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { channelOf, FaceRig, MienFace, MotionClip, recipeOf } from '../src/index.js';
+import { channelOf, FaceRig, MienFace, MotionClip, recipesOf } from '../src/index.js';
 import { WEIGHTS } from '../src/tables.js';
-import { group, mesh } from './helpers.js';
+import { group, mesh, text } from './helpers.js';
 
 describe('names of morph targets', () => {
   it.each([
     ['jawOpen', 'jawOpen'], ['blendShape1.jaw_open', 'jawOpen'], ['browDown_L', 'browDownLeft'],
     ['MOUTHSMILERIGHT', 'mouthSmileRight'], ['eyeBlink_R', 'eyeBlinkRight'],
   ])('%s is %s', (name, channel) => expect(channelOf(name)).toBe(channel));
-  it('knows visemes, and nothing that JavaScript knows', () => {
-    expect(recipeOf('viseme_aa')).toEqual({ jawOpen: 1.4, mouthFunnel: -0.7, mouthPucker: -0.7 });
-    expect(recipeOf('Fcl_MTH_A')).toEqual(recipeOf('aa'));
-    expect(recipeOf('constructor')).toEqual({});
-    expect(recipeOf('')).toEqual({});
+  it('means what it means to mien itself', () => {
+    const told = JSON.parse(text('names.json')) as Record<string, Record<string, number>>;
+    const names = Object.keys(told);
+    const found = recipesOf(names);
+    names.forEach((name, place) => expect(found[place], name).toEqual(told[name]));
+  });
+  it('of a kind of which there are too few is not trusted', () => {
+    expect(recipesOf(['A', 'hat'])).toEqual([{}, {}]);
+    expect(recipesOf([''])).toEqual([{}]);
   });
 });
 
@@ -35,6 +39,11 @@ describe('a rig', () => {
     const rig = new FaceRig(both);
     rig.apply(['jawOpen', 'browInnerUp'], [1, 0.5]);
     expect(both.morphTargetInfluences?.slice(20)).toEqual([0, 0.5]);
+  });
+  it('takes what mien has found out about a face', () => {
+    const odd = mesh('face', ['Bouche_01', 'jawOpen']);
+    new FaceRig(odd, { recipes: { Bouche_01: { jawOpen: 0.5 } } }).apply(['jawOpen'], [1]);
+    expect(odd.morphTargetInfluences).toEqual([0.5, 0]);
   });
   it('plays a target that no channel moves by a motion of that very name', () => {
     const odd = mesh('face', ['wobble']);
