@@ -30,8 +30,26 @@ FRAMES = 6
 
 CONVENTIONS = ("ARKit", "Oculus visemes", "VRM and five vowels", "VRoid, VRM lids and MMD")
 """What of mien's tables of names the player carries; it takes others from a `mien face inspect`."""
-SPELT = ("jaw_open", "blendShape1.jawOpen", "browDown_L", "Left_eyeBlink", "mouthRollLower_R", "viseme_aa", "viseme_PP", "viseme_O",
-         "A", "I", "U", "Fcl_MTH_O", "nonsense", "constructor", "MOUTHSMILELEFT", "nostrilDilator_L", "あ", "い")  # fmt: skip
+SPELT = (
+    "jaw_open",
+    "blendShape1.jawOpen",
+    "browDown_L",
+    "Left_eyeBlink",
+    "mouthRollLower_R",
+    "viseme_aa",
+    "viseme_PP",
+    "viseme_O",
+    "A",
+    "I",
+    "U",
+    "Fcl_MTH_O",
+    "nonsense",
+    "constructor",
+    "MOUTHSMILELEFT",
+    "nostrilDilator_L",
+    "あ",
+    "い",
+)
 
 
 def tables() -> str:
