@@ -18,18 +18,26 @@ TEXT = (
 )
 
 
+CURVED = (
+    '<emotion name="happy" intensity="0.2@0,0.9@0.4,0.333@1.25">That is <emotion name="sad" '
+    'intensity="0.1@0%,0.7@100%">true</emotion> now</emotion> and so on'
+)
+
+
 @pytest.mark.usefixtures("toy_voice")
-@pytest.mark.parametrize("emotion", [None, "sad:0.3"])
-def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, emotion: str | None) -> None:
+@pytest.mark.parametrize(
+    ("said", "emotion"), [(TEXT, None), (TEXT, "sad:0.3"), (CURVED, None), (CURVED, "angry:0.3@0,0.7@0.123456789")]
+)
+def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, said: str, emotion: str | None) -> None:
     write_native(
-        api.say(TEXT, emotion=emotion, performer="authored", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
+        api.say(said, emotion=emotion, performer="authored", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
     )
     library = shipped_library()
     performer, score, rate = api.prepared("authored", emotion, seed=3)
     perform = Perform(
         library, performer, rate, 3, score, lambda made, _: write_native(made, tmp_path / "pipe.json") and None
     )
-    text = TEXT
+    text = said
     for module in (Interpret(library), Speak(library, "kokoro-heart", 3), Translate(library, lambda notes: None)):
         (text,) = module(Message(text, 1), 1)
         assert "\n" not in text

@@ -57,6 +57,8 @@ def test_commands_fit_the_schema_of_the_stream() -> None:
     [
         ("script.rng", "<script><emotion>a</emotion></script>"),
         ("script.rng", "<script><emotion name='sad' intensity='7'>a</emotion></script>"),
+        ("script.rng", "<script><emotion name='sad' intensity='0.5@'>a</emotion></script>"),
+        ("script.rng", "<script><emotion name='sad' intensity='7@0'>a</emotion></script>"),
         ("script.rng", "<script><curve parameter='jawOpen'/></script>"),
         ("script.rng", "<script><key at='0' value='1'/></script>"),
         ("script.rng", "<speak>a</speak>"),

@@ -6,6 +6,7 @@ import pytest
 from mien.errors import InputError
 from mien.modules.speak import speak, speak_over
 from mien.modules.translate import translate
+from mien.script.intensity import IntensityCurve
 from mien.script.reading import read_script
 from mien.speech.reshaping import Change, reshape
 from tests.modules.speaking import toy_speech, toy_voice
@@ -116,6 +117,18 @@ def test_gaze_holds_until_the_next() -> None:
         ("22", "200", "500"),
         ("0", "700", "500"),
     ]
+
+
+def test_intensities_get_times() -> None:
+    (span,) = spoken('That <emotion name="sad" intensity="0.3@0,0.8@0.25">is</emotion> true').emotions
+    assert isinstance(span.intensity, IntensityCurve)
+    assert span.start is not None
+    assert span.intensity.times == pytest.approx((span.start, span.start + 0.25), abs=1e-3)
+    (share,) = spoken('That <emotion name="sad" intensity="0.3@0%,0.8@100%">is</emotion> true').emotions
+    assert isinstance(share.intensity, IntensityCurve)
+    assert share.intensity.times == (share.start, share.end)
+    with pytest.raises(InputError, match="do not rise in time"):
+        spoken('That <emotion name="sad" intensity="0.3@90s,0.8@100%">is</emotion> true')
 
 
 def test_emotions_get_times() -> None:

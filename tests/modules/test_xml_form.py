@@ -27,7 +27,9 @@ TAGGED = """He said: "AT&T\t<3" & <HeadNod count="2"/> then\r\n<emotion name="sa
 <curve parameter="jawOpen" mode="set" fade="50" interp="spline">
 <key at="0" value="0.1"/><key at="end" value="0.3"/></curve>
 <phoneme alphabet="x-arpabet" ph="T AH0 M AA1 T OW0">tomato</phoneme> <prosody rate="fast" pitch="+1st">now</prosody>"""
-SCRIPTS = [TAGGED, SSML, BML, "Hello."]
+CURVED = """<emotion name="happy" intensity="0.2@0,0.9@0.5">one <emotion name="sad" intensity="0@0%,1@33%,0@100%">two
+</emotion> three</emotion>"""
+SCRIPTS = [TAGGED, CURVED, SSML, BML, "Hello."]
 
 
 @pytest.mark.parametrize("text", SCRIPTS)
@@ -49,11 +51,21 @@ def test_what_was_spoken_reads_back_equal(text: str) -> None:
         assert again == stage
 
 
+def test_a_curve_of_intensity_reads_back_equal() -> None:
+    from mien.modules.xml_form import _emotion, _emotion_element
+    from mien.script.intensity import IntensityCurve
+    from mien.script.score import EmotionSpan
+
+    for curve in (IntensityCurve((0.1, 1 / 3), (0.2, 0.7)), IntensityCurve((0.0, 1.0), (0.0, 1.0), "linear")):
+        span = EmotionSpan("sad", curve, end=2.5)
+        assert _emotion(element_of(one_line(_emotion_element(span)))) == span
+
+
 def test_every_field_travels() -> None:
     """A field added to one of these types needs a place in the stream: add it there, then here."""
     from mien.modules.spoken import Spoken
     from mien.script.curves import ParameterCurve
-    from mien.script.document import Script, Segment
+    from mien.script.document import DirectedEmotion, Script, Segment
     from mien.script.score import EmotionSpan
     from mien.speech.utterance import Utterance
 
@@ -72,6 +84,7 @@ def test_every_field_travels() -> None:
             "sung",
         },
         EmotionSpan: {"name", "intensity", "start", "end"},
+        DirectedEmotion: {"name", "intensity", "start", "end", "keys"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         Segment: {"text", "silence", "start", "voice", "spellings"},
         Script: {"segments", "points", "prosody", "emotions", "commands", "curves", "voice", "language", "notes"},

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,41 @@ def test_the_papers_open_tag_is_accepted_and_closed() -> None:
     assert item.at == Moment((), 1000.0)
     assert item.until is None
     assert item.command.given == {"amplitude": "60", "count": "2"}
+
+
+def test_an_intensity_changes_inside_a_tag() -> None:
+    script = read_script(
+        '<emotion name="happy" intensity="0.2@0,0.9@1.5">a <emotion name="sad">b</emotion> c</emotion> d '
+        '<emotion name="angry" intensity=".1@0%, 1@50%">e f</emotion>'
+    )
+    happy, sad, again, angry = script.emotions
+    begins = str(happy.start)
+    assert (happy.name, sad.name, again.name, sad.keys) == ("happy", "sad", "happy", ())
+    # Both pieces keep the clock of the tag.
+    assert happy.keys == again.keys
+    assert [(str(moment), value) for moment, value in happy.keys] == [(begins, 0.2), (f"{begins}+1500", 0.9)]
+    assert [(str(moment), value) for moment, value in angry.keys] == [
+        (str(angry.start), 0.1),
+        (f"0.5*{angry.start}+0.5*{angry.end}", 1.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("intensity", "told"),
+    [
+        ("0.2@0,0.9", "VALUE@SECOND or VALUE@PERCENT%"),
+        ("0.2@1,0.9@0.5", "'0.9@0.5' does not come after"),
+        ("0.2@0%,0.9@120%", "between 0% and 100%"),
+        ("0.2@0,9@1", "from 0 to 1, not 9"),
+        ("much", "points such as 0.2@0"),
+        ("nan", "from 0 to 1"),
+        ("0.2@-1", "VALUE@SECOND"),
+    ],
+)
+def test_a_wrong_intensity_is_told(intensity: str, told: str) -> None:
+    with pytest.raises(InputError, match=re.escape(told)) as problem:
+        read_script(f"\n<emotion name='sad' intensity='{intensity}'>a</emotion>")
+    assert "line 2" in str(problem.value)
 
 
 def test_the_innermost_emotion_counts_and_the_outer_goes_on_after_it() -> None:

@@ -1,20 +1,19 @@
 """Motion spoken in one emotion, as it would be in another (SPEC B7; Cao et al. 2005, section 5).
 
-Recordings of the same sentences in two emotions are coded in independent components. Components that differ between
-the emotions are emotion components, the rest are speech; the speech parts are laid on each other by dynamic time
-warping, and the map of the emotion components is learned from the frames that meet.
+Recordings of the same sentences in two emotions are coded in independent components. Components whose mean or whose
+spread differs between the emotions are emotion components, the rest are speech; the speech parts are laid on each other
+by dynamic time warping, and a map is learned from the frames that meet (`mien.models.emotion_component_maps`).
 
-Two maps are here. `PaperMap` is the paper's: radial basis functions through 250 cluster centres, as wide as the two
-closest are apart. That is so narrow that frames between the centres keep their emotion. `EmotionMapping` uses, by
-default, an offset and a gain drawn towards "no change but the offset", with wide radial functions on what is left where
-they help; all of it is chosen on sentences held out, among maps that keep the motion as lively as the real one.
+The paper maps the emotion components by radial basis functions through 250 cluster centres, as wide as the two closest
+are apart: so narrow that frames between the centres keep their emotion. mien's map, the default, is an offset, a gain
+on all components and a bend, chosen on sentences held out among maps that keep the motion as lively as the real one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,198 +21,42 @@ from numpy.typing import NDArray
 from mien.corpus.corpus import Corpus
 from mien.corpus.take import Take
 from mien.errors import InputError, Note
-from mien.models.anime_graph.audio_distance import warping_path
 from mien.models.anime_graph.motion_code import MotionCode
+from mien.models.drift import smooth_drift
+from mien.models.emotion_component_maps import (
+    ComponentMap,
+    LivelyMap,
+    MeetingFrames,
+    OffsetMap,
+    PaperMap,
+    SameMap,
+    liveliness_of,
+)
+from mien.models.warping import warping_path
 
 __all__ = [
     "ComponentSplit",
     "EmotionMapping",
     "MappingScore",
-    "PaperMap",
-    "SteadyMap",
+    "Pair",
     "corpus_pairs",
     "leave_one_sentence_out",
+    "meeting_frames",
+    "score_mapping",
     "scores_table",
+    "split_components",
 ]
 
 Floats = NDArray[np.float64]
 Pair = tuple[Floats, Floats]
 """The same sentence in two emotions: marker positions, shapes (frames, markers, 3) and (other frames, markers, 3)."""
-Width = Literal["exponential", "gaussian"]
 
-CENTRES = 250
-LIVELY = (0.8, 1.2)
-"""Spread of velocities that a map may have, as a share of the real one's."""
-_PENALTIES = (0.01, 0.1, 1.0, 10.0, 1e3)
-_WIDTHS = (1.0, 2.0, 4.0)
-_FEW_CENTRES = 40
 _SHIFT = 0.5
+_SPREAD = 1.25
+_CHANCE = 0.01
 _SHARE = 0.97
-
-
-class ComponentMap(Protocol):
-    """Emotion components of one emotion in, those of another out; shape (frames, components)."""
-
-    def fit(self, source: Floats, target: Floats, groups: NDArray[np.int64]) -> Self:
-        """Learn from frames that meet; ``groups`` says which sentence each is of."""
-
-    def apply(self, source: Floats) -> Floats:
-        """Map any frames."""
-
-
-class SameMap:
-    """No change: what every map has to beat."""
-
-    def fit(self, source: Floats, target: Floats, groups: NDArray[np.int64]) -> Self:
-        """Nothing to learn."""
-        return self
-
-    def apply(self, source: Floats) -> Floats:
-        """The same."""
-        return source
-
-
-class OffsetMap:
-    """The mean difference, added to every frame."""
-
-    def fit(self, source: Floats, target: Floats, groups: NDArray[np.int64]) -> Self:
-        """Learn the difference."""
-        self.offset_ = target.mean(axis=0) - source.mean(axis=0)
-        return self
-
-    def apply(self, source: Floats) -> Floats:
-        """Add it."""
-        return np.asarray(source + self.offset_)
-
-
-class PaperMap:
-    """The paper's radial basis functions (Eq. 10, 11): interpolates 250 centres, by LU.
-
-    Parameters
-    ----------
-    kernel : {"exponential", "gaussian"}
-        φ(x) = exp(-x/d) or exp(-x²/d), d the distance of the two closest centres.
-    seed : int
-        Of k-means.
-    """
-
-    def __init__(self, kernel: Width = "exponential", seed: int = 0) -> None:
-        self.kernel, self.seed = kernel, seed
-
-    def fit(self, source: Floats, target: Floats, groups: NDArray[np.int64]) -> Self:
-        """Cluster the source frames; a centre's target is the mean of its frames' targets."""
-        from scipy.linalg import lu_factor, lu_solve
-
-        self.centres_, goals = _clustered(source, target, CENTRES, self.seed)
-        apart = _distances(self.centres_, self.centres_)
-        others = apart[~np.eye(len(apart), dtype=bool)]
-        closest = float(others.min()) if len(others) else 1.0
-        self.width_ = max(closest, 1e-9)
-        self.weights_ = lu_solve(lu_factor(self._phi(self.centres_)), goals - self.centres_)
-        return self
-
-    def _phi(self, frames: Floats) -> Floats:
-        x = _distances(frames, self.centres_)
-        return np.asarray(np.exp(-(x if self.kernel == "exponential" else x**2) / self.width_))
-
-    def apply(self, source: Floats) -> Floats:
-        """e_j = e_i + Σ c_r φ(|e_i - e_i,r|)."""
-        return np.asarray(source + self._phi(source) @ self.weights_)
-
-
-class SteadyMap:
-    """Offset, a gain drawn towards the identity, and wide radial functions on what is left.
-
-    Parameters
-    ----------
-    seed : int
-
-    Attributes
-    ----------
-    penalty_ : float
-        How strongly the gain is drawn to the identity: 1000 is a constant offset in all but name.
-    width_ : float
-        Width of the radial functions in units of the source's spread; 0: none.
-    liveliness_ : float
-        Spread of velocities against the real one's, on sentences held out.
-    """
-
-    def __init__(self, seed: int = 0) -> None:
-        self.seed = seed
-
-    def fit(self, source: Floats, target: Floats, groups: NDArray[np.int64]) -> Self:
-        """Choose penalty and width on sentences held out (halves of one, if there is but one), then learn from all."""
-        if len(np.unique(groups)) < 2:
-            groups = (np.arange(len(source)) >= len(source) // 2).astype(np.int64)
-        plain = [(*self._judge(source, target, groups, p, 0.0), (p, 0.0)) for p in _PENALTIES]
-        # Where no map is as lively as the real motion, the offset alone leaves it as lively as it was.
-        best = min([entry for entry in plain if _is_lively(entry[1])], default=plain[-1])
-        bent = [(*self._judge(source, target, groups, best[2][0], w), (best[2][0], w)) for w in _WIDTHS]
-        _, self.liveliness_, (self.penalty_, self.width_) = min([best, *(e for e in bent if _is_lively(e[1]))])
-        return self._learn(source, target, self.penalty_, self.width_)
-
-    def _judge(
-        self, source: Floats, target: Floats, groups: NDArray[np.int64], penalty: float, width: float
-    ) -> tuple[float, float]:
-        """Mean square error and liveliness on sentences held out."""
-        errors, made, real = [], [], []
-        for group in np.unique(groups):
-            out = groups == group
-            mapped = SteadyMap(self.seed)._learn(source[~out], target[~out], penalty, width).apply(source[out])
-            errors.append(((mapped - target[out]) ** 2).sum(axis=1))
-            made.append(np.diff(mapped, axis=0))
-            real.append(np.diff(target[out], axis=0))
-        speed = np.sqrt((np.concatenate(made) ** 2).mean() / max((np.concatenate(real) ** 2).mean(), 1e-12))
-        return float(np.concatenate(errors).mean()), float(speed)
-
-    def _learn(self, source: Floats, target: Floats, penalty: float, width: float) -> Self:
-        self.from_, self.to_ = np.asarray(source.mean(axis=0)), np.asarray(target.mean(axis=0))
-        centred, wanted = source - self.from_, target - self.to_
-        identity = np.eye(source.shape[1])
-        # Ridge towards the identity: min |X G - Y|² + penalty·n |G - I|²
-        gram = centred.T @ centred / len(source)
-        scale = penalty * max(float(np.trace(gram)) / len(gram), 1e-12)
-        cross = centred.T @ wanted / len(source)
-        self.gain_ = np.linalg.solve(gram + scale * identity, cross + scale * identity)
-        self.width = width * float(np.sqrt((centred**2).sum(axis=1).mean()))
-        self.centres_: Floats = np.zeros((0, source.shape[1]))
-        self.weights_: Floats = np.zeros((0, source.shape[1]))
-        if width:
-            left = wanted - centred @ self.gain_
-            self.centres_, goals = _clustered(centred, left, min(_FEW_CENTRES, max(2, len(source) // 20)), self.seed)
-            phi = self._phi(self.centres_)
-            self.weights_ = np.asarray(np.linalg.solve(phi + np.eye(len(phi)), goals), dtype=np.float64)
-        return self
-
-    def _phi(self, centred: Floats) -> Floats:
-        return np.asarray(np.exp(-0.5 * (_distances(centred, self.centres_) / max(self.width, 1e-9)) ** 2))
-
-    def apply(self, source: Floats) -> Floats:
-        """Map frames."""
-        centred = source - self.from_
-        mapped = self.to_ + centred @ self.gain_
-        return np.asarray(mapped + self._phi(centred) @ self.weights_ if len(self.centres_) else mapped)
-
-
-def _is_lively(spread: float) -> bool:
-    return LIVELY[0] <= spread <= LIVELY[1]
-
-
-def _clustered(source: Floats, target: Floats, count: int, seed: int) -> tuple[Floats, Floats]:
-    from sklearn.cluster import KMeans
-
-    count = min(count, len(np.unique(source, axis=0)))
-    labels = KMeans(count, n_init=1, random_state=seed).fit(source).labels_
-    used = np.unique(labels)
-    return (
-        np.array([source[labels == one].mean(axis=0) for one in used]),
-        np.array([target[labels == one].mean(axis=0) for one in used]),
-    )
-
-
-def _distances(a: Floats, b: Floats) -> Floats:
-    squares = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * a @ b.T
-    return np.asarray(np.sqrt(np.maximum(squares, 0)))
+_MOST_FRAMES = 6000
+"""Frames that the components are learned from, evenly spread."""
 
 
 @dataclass(frozen=True)
@@ -226,17 +69,26 @@ class ComponentSplit:
         Mean over sentences of the difference between the emotions, in standard deviations of the component.
     significance : tuple of float
         p of that difference over sentences (t-test against 0; 1 where a single sentence leaves it open).
+    spread : tuple of float
+        How many times as far the component moves about its mean in the other emotion (geometric mean over sentences).
+    spread_significance : tuple of float
+        p of that over sentences (t-test of the logarithm).
     is_emotion : tuple of bool
     """
 
     shift: tuple[float, ...]
     significance: tuple[float, ...]
+    spread: tuple[float, ...]
+    spread_significance: tuple[float, ...]
     is_emotion: tuple[bool, ...]
 
     def __str__(self) -> str:
+        columns = zip(
+            self.shift, self.significance, self.spread, self.spread_significance, self.is_emotion, strict=True
+        )
         rows = [
-            f"{number:2}  {'emotion' if e else 'speech ':7}  shift {s:+.2f}  p {p:.3f}"
-            for number, (s, p, e) in enumerate(zip(self.shift, self.significance, self.is_emotion, strict=True))
+            f"{number:2}  {'emotion' if e else 'speech ':7}  shift {s:+.2f}  p {p:.3f}  spread x {w:.2f}  p {q:.3f}"
+            for number, (s, p, w, q, e) in enumerate(columns)
         ]
         return "\n".join(rows)
 
@@ -247,7 +99,7 @@ class EmotionMapping:
     Parameters
     ----------
     component_map : ComponentMap, optional
-        `SteadyMap` unless given.
+        `LivelyMap` unless given.
     share : float
         Of the variance that the components keep.
     seed : int
@@ -257,8 +109,21 @@ class EmotionMapping:
     code_ : MotionCode
     split_ : ComponentSplit
     map_ : ComponentMap
-    met_ : tuple of ndarray
-        Emotion components of the frames that meet, and the sentence of each: what the map was learned from.
+    met_ : MeetingFrames
+        What the map was learned from.
+    wander_ : ndarray, shape (components, components)
+        What the map leaves out of the real motion, as one deviation of independent wanderings in principal components:
+        as much as is lacking until velocities spread as the real ones do.
+    memory_ : float
+        Frames after which it has lost two thirds of its memory.
+
+    Examples
+    --------
+    >>> random = np.random.default_rng(0)
+    >>> said = [np.cumsum(random.normal(size=(60, 4, 3)), axis=0) for _ in range(3)]
+    >>> learned = EmotionMapping().fit([(motion, motion + [0.0, 5.0, 0.0]) for motion in said])
+    >>> (learned.apply(said[0]) - said[0]).mean(axis=(0, 1)).round(1).tolist()
+    [0.0, 5.0, 0.0]
     """
 
     def __init__(self, component_map: ComponentMap | None = None, share: float = _SHARE, seed: int = 0) -> None:
@@ -273,59 +138,114 @@ class EmotionMapping:
             If there is no pair, or shapes or numbers do not fit.
         """
         _check(pairs)
-        self.code_ = MotionCode(self.share, self.seed).fit(np.concatenate([_flat(m) for pair in pairs for m in pair]))
+        rows = np.concatenate([_flat(motion) for pair in pairs for motion in pair])
+        self.code_ = MotionCode(self.share, self.seed).fit(rows[:: -(-len(rows) // _MOST_FRAMES)])
         coded = [(self._components(a), self._components(b)) for a, b in pairs]
         self.split_ = split_components(coded)
-        emotion = np.array(self.split_.is_emotion)
-        met = [meeting_frames(a[:, ~emotion], b[:, ~emotion]) for a, b in coded]
-        source = np.concatenate([a[:, emotion][path[:, 0]] for (a, _), path in zip(coded, met, strict=True)])
-        target = np.concatenate([b[:, emotion][path[:, 1]] for (_, b), path in zip(coded, met, strict=True)])
-        groups = np.concatenate([np.full(len(path), i) for i, path in enumerate(met)])
-        self.met_ = (source, target, groups)
-        self.map_ = (self.component_map or SteadyMap(self.seed)).fit(*self.met_)
+        spoken = self._spoken()
+        met = [meeting_frames(a @ spoken, b @ spoken) for a, b in coded]
+        sentences = [(a, b, path) for (a, b), path in zip(coded, met, strict=True)]
+        self.met_ = MeetingFrames(sentences, self.code_.mixing_, np.array(self.split_.is_emotion))
+        return self.learn_map(self.component_map or LivelyMap(seed=self.seed))
+
+    def learn_map(self, component_map: ComponentMap) -> Self:
+        """Learn another map from the same frames."""
+        self.map_ = component_map.fit(self.met_)
+        self.wander_, self.memory_ = _wander(self.met_, self.map_)
         return self
 
     def _components(self, motion: Floats) -> Floats:
         return self.code_.separate(self.code_.encode(_flat(motion)))
 
-    def apply(self, motion: Floats) -> Floats:
+    def _spoken(self) -> Floats:
+        """What tells where in the sentence a frame stands: the speech components, mm.
+
+        Where words hardly move them, also those emotion components whose mean stays.
+        """
+        speech = ~np.array(self.split_.is_emotion)
+        powers = (self.code_.mixing_**2).sum(axis=1)
+        if powers[speech].sum() < 0.3 * powers.sum():
+            speech |= np.abs(np.array(self.split_.shift)) < _SHIFT
+        return self.code_.mixing_ * speech[:, None]
+
+    def apply(self, motion: Floats, random: np.random.Generator | None = None) -> Floats:
         """The same speech in the other emotion; positions of shape (frames, markers, 3) in and out.
 
-        What the components do not hold stays as it was.
+        What the components do not hold stays as it was. With ``random``, what cannot be told from the source is drawn
+        from what the recordings had of it, so that the motion is as lively as they were.
         """
         components = self._components(motion)
-        emotion = np.array(self.split_.is_emotion)
-        changed = components.copy()
-        changed[:, emotion] = self.map_.apply(components[:, emotion])
-        difference = self.code_.mix(changed - components) @ self.code_.axes_
-        return np.asarray(motion + difference.reshape(motion.shape))
+        change = self.code_.mix(self.map_.apply(components) - components)
+        if random is not None and self.wander_.any():
+            frames = np.arange(len(motion), dtype=np.float64)
+            drawn = [smooth_drift(frames, self.memory_, random) for _ in range(len(self.wander_))]
+            change = change + np.stack(drawn, axis=1) @ self.wander_
+        return np.asarray(motion + (change @ self.code_.axes_).reshape(motion.shape))
+
+
+def _wander(met: MeetingFrames, learned: ComponentMap) -> tuple[Floats, float]:
+    """What is lacking of the real motion, as deviations of drifts of deviation 1, and its memory in frames."""
+    made, real, left, kept = 0.0, 0.0, [], []
+    for source, target, path in met.sentences:
+        mapped = learned.apply(source) @ met.mixing
+        true = target @ met.mixing
+        made += float((np.diff(mapped, axis=0) ** 2).sum(axis=1).mean())
+        real += float((np.diff(true, axis=0) ** 2).sum(axis=1).mean())
+        missed = true[path[:, 1]] - mapped[path[:, 0]]
+        centred = missed - missed.mean(axis=0)
+        left.append(centred)
+        kept.append([float((centred[lag:] * centred[: len(centred) - lag]).sum()) for lag in range(min(len(path), 60))])
+    rows = np.concatenate(left)
+    longest = min(map(len, kept))
+    decay = np.sum([k[:longest] for k in kept], axis=0)
+    below = np.flatnonzero(decay < decay[0] / np.e) if decay[0] > 0 else np.zeros(0)
+    memory = max(float(below[0]) if len(below) else float(longest), 2.0)
+    covariance = rows.T @ rows / len(rows)
+    # A drift of deviation 1 and memory m has velocities of about sqrt(2) * 0.7 / m a frame (Gaussian autocorrelation).
+    speed = float(np.trace(covariance)) * 2.0 / memory**2
+    size = np.sqrt(min(max(real - made, 0.0) / len(met.sentences) / max(speed, 1e-12), 1.0))
+    powers, axes = np.linalg.eigh(covariance)
+    return np.asarray(size * np.sqrt(np.maximum(powers, 0))[:, None] * axes.T), memory
 
 
 def split_components(coded: Sequence[Pair]) -> ComponentSplit:
-    """Tell emotion components from speech: those whose mean differs between the emotions, over sentences.
+    """Tell emotion components from speech: those whose mean or spread differs between the emotions, over sentences.
 
-    A component is an emotion component if it moves by half a standard deviation or more, and, with three sentences or
-    more, by more than chance (p < 0.01). If none does, the one that moves most is.
+    A component is an emotion component if it moves by half a standard deviation or more, or if its spread is 1.25 times
+    as large or as small; with three sentences or more, only by more than chance (p < 0.01). If none is, the one that
+    moves most is; if all are, the one that moves least is not.
     """
-    from scipy.stats import ttest_1samp
-
-    spread = np.concatenate([np.concatenate([a - a.mean(axis=0), b - b.mean(axis=0)]) for a, b in coded]).std(axis=0)
-    moved = np.array([b.mean(axis=0) - a.mean(axis=0) for a, b in coded]) / np.maximum(spread, 1e-9)
-    shift = moved.mean(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        chance = ttest_1samp(moved, 0.0, axis=0).pvalue if len(coded) >= 3 else np.ones(len(shift))
-    chance = np.nan_to_num(np.asarray(chance), nan=1.0)
-    is_emotion = (np.abs(shift) >= _SHIFT) & ((chance < 0.01) | (len(coded) < 3))
+    centred = np.concatenate([np.concatenate([a - a.mean(axis=0), b - b.mean(axis=0)]) for a, b in coded])
+    moved = np.array([b.mean(axis=0) - a.mean(axis=0) for a, b in coded]) / np.maximum(centred.std(axis=0), 1e-9)
+    wider = np.array([np.log(np.maximum(b.std(axis=0), 1e-9) / np.maximum(a.std(axis=0), 1e-9)) for a, b in coded])
+    (shift, chance), (spread, spread_chance) = (_over_sentences(values) for values in (moved, wider))
+    few = len(coded) < 3
+    is_emotion = (np.abs(shift) >= _SHIFT) & ((chance < _CHANCE) | few)
+    is_emotion |= (np.abs(spread) >= np.log(_SPREAD)) & (spread_chance < _CHANCE)
     if not is_emotion.any():
         is_emotion[np.abs(shift).argmax()] = True
     if is_emotion.all() and len(is_emotion) > 1:
         is_emotion[np.abs(shift).argmin()] = False
-    return ComponentSplit(tuple(shift.tolist()), tuple(chance.tolist()), tuple(is_emotion.tolist()))
+    columns = (shift, chance, np.exp(spread), spread_chance)
+    return ComponentSplit(*(tuple(column.tolist()) for column in columns), tuple(is_emotion.tolist()))
+
+
+def _over_sentences(values: Floats) -> tuple[Floats, Floats]:
+    """Mean over sentences, and p of its being 0 (1 where there are fewer than three)."""
+    from scipy.stats import ttest_1samp
+
+    if len(values) < 3:
+        return values.mean(axis=0), np.ones(values.shape[1])
+    varies = values.std(axis=0) > 1e-9
+    chance = np.where(np.abs(values.mean(axis=0)) > 1e-6, 0.0, 1.0)  # the same in every sentence: no chance
+    chance[varies] = ttest_1samp(values[:, varies], 0.0, axis=0).pvalue
+    return values.mean(axis=0), chance
 
 
 def meeting_frames(a: Floats, b: Floats) -> NDArray[np.int64]:
-    """Pairs of frames that say the same, shape (steps, 2): dynamic time warping of centred components."""
-    return warping_path(a - a.mean(axis=0), b - b.mean(axis=0))
+    """Pairs of frames that say the same, shape (steps, 2): dynamic time warping of motion of one mean and spread."""
+    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
+    return warping_path(a, b * float(np.sqrt((a**2).mean() / max((b**2).mean(), 1e-12))))
 
 
 @dataclass(frozen=True)
@@ -350,6 +270,9 @@ class MappingScore:
 def leave_one_sentence_out(pairs: Sequence[Pair], seed: int = 0) -> dict[str, MappingScore]:
     """Each map learned without one sentence and judged on it, averaged; beside identity and mean offset.
 
+    ``mien, wandering`` is mien's map with what cannot be told from the source drawn at random: as lively as the
+    recordings, and therefore further from any one of them.
+
     Raises
     ------
     InputError
@@ -362,15 +285,17 @@ def leave_one_sentence_out(pairs: Sequence[Pair], seed: int = 0) -> dict[str, Ma
         "mean offset": OffsetMap,
         "Cao et al. 2005, exponential": lambda: PaperMap("exponential", seed),
         "Cao et al. 2005, gaussian": lambda: PaperMap("gaussian", seed),
-        "mien": lambda: SteadyMap(seed),
+        "mien": lambda: LivelyMap(seed=seed),
     }
-    scores: dict[str, list[MappingScore]] = {name: [] for name in maps}
+    scores: dict[str, list[MappingScore]] = {name: [] for name in (*maps, "mien, wandering")}
+    random = np.random.default_rng(seed)
     for number, pair in enumerate(pairs):
         known = [other for i, other in enumerate(pairs) if i != number]
         learned = EmotionMapping(SameMap(), seed=seed).fit(known)
         for name, make in maps.items():
-            learned.map_ = make().fit(*learned.met_)
+            learned.learn_map(make())
             scores[name].append(score_mapping(learned, pair))
+        scores["mien, wandering"].append(score_mapping(learned, pair, random))
     return {
         name: MappingScore(*(float(np.mean([getattr(s, k) for s in found])) for k in ("rms", "share", "liveliness")))
         for name, found in scores.items()
@@ -412,19 +337,18 @@ def corpus_pairs(corpus: Corpus, source: str, target: str) -> tuple[list[Pair], 
     return [(a.positions, b.positions) for a, b in whole], notes
 
 
-def score_mapping(learned: EmotionMapping, pair: Pair) -> MappingScore:
-    """Judge a map on one sentence, in the frames that meet."""
+def score_mapping(learned: EmotionMapping, pair: Pair, random: np.random.Generator | None = None) -> MappingScore:
+    """Judge a map on one sentence, in the frames that meet; ``random`` as in `EmotionMapping.apply`."""
     source, target = pair
-    emotion = np.array(learned.split_.is_emotion)
-    a, b = (learned._components(motion)[:, ~emotion] for motion in pair)
-    path = meeting_frames(a, b)
-    mapped, real, was = learned.apply(source)[path[:, 0]], target[path[:, 1]], source[path[:, 0]]
+    spoken = learned._spoken()
+    path = meeting_frames(*(learned._components(motion) @ spoken for motion in pair))
+    changed = learned.apply(source, random)
+    mapped, real, was = changed[path[:, 0]], target[path[:, 1]], source[path[:, 0]]
     side = float((target.max(axis=(0, 1)) - target.min(axis=(0, 1))).max())
     rms = float(np.sqrt(((mapped - real) ** 2).sum(axis=2).mean())) / max(side, 1e-9)
     wanted = real - was
     share = float(((mapped - was) * wanted).sum() / max((wanted**2).sum(), 1e-12))
-    made, true = np.diff(learned.apply(source), axis=0), np.diff(target, axis=0)
-    return MappingScore(rms, share, float(np.sqrt((made**2).mean() / max((true**2).mean(), 1e-12))))
+    return MappingScore(rms, share, liveliness_of(changed, target))
 
 
 def _flat(motion: Floats) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +17,7 @@ from mien.modules.spoken import Spoken
 from mien.script.commands import Command, CommandLibrary, shipped_library
 from mien.script.curves import ParameterCurve
 from mien.script.document import DirectedCommand, DirectedCurve, DirectedEmotion, Script, Segment
+from mien.script.intensity import IntensityCurve
 from mien.script.moments import Moment, plain
 from mien.script.score import EmotionSpan
 from mien.speech.languages import read_words
@@ -273,5 +275,14 @@ def _emotions(emotions: Sequence[DirectedEmotion], clock: Clock) -> tuple[Emotio
     def seconds(moment: Moment | None) -> float | None:
         return None if moment is None else moment.resolve(clock.time_of) / 1000
 
-    spans = [EmotionSpan(e.name, e.intensity, start=seconds(e.start), end=seconds(e.end)) for e in emotions]
+    def strength(emotion: DirectedEmotion) -> float | IntensityCurve:
+        if not emotion.keys:
+            return emotion.intensity
+        keys = [(moment.resolve(clock.time_of) / 1000, value) for moment, value in emotion.keys]
+        if any(after[0] <= before[0] for before, after in pairwise(keys)):
+            told = ", ".join(f"{value:g} at {at:.3f} s" for at, value in keys)
+            raise InputError(f"emotion {emotion.name!r}: the points of its intensity do not rise in time: {told}")
+        return IntensityCurve(tuple(at for at, _ in keys), tuple(value for _, value in keys))
+
+    spans = [EmotionSpan(e.name, strength(e), start=seconds(e.start), end=seconds(e.end)) for e in emotions]
     return tuple(s for s in spans if s.start is None or s.end is None or s.end > s.start)

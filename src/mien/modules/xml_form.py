@@ -99,7 +99,9 @@ def script_element(script: Script, number: str) -> Element:
         SubElement(root, "prosody", given | _given(rate=stretch.rate, pitch=stretch.pitch, volume=stretch.volume))
     for emotion in script.emotions:
         start, end = (None if moment is None else str(moment) for moment in (emotion.start, emotion.end))
-        SubElement(root, "emotion", _given(name=emotion.name, intensity=emotion.intensity, from_=start, to=end))
+        item = SubElement(root, "emotion", _given(name=emotion.name, intensity=emotion.intensity, from_=start, to=end))
+        for moment, value in emotion.keys:
+            SubElement(item, "key", _given(at=str(moment), value=value))
     for directed in script.commands:
         until = None if directed.until is None else str(directed.until)
         item = SubElement(root, "do", _given(at=str(directed.at), until=until, where=directed.command.where or None))
@@ -210,7 +212,12 @@ def _prosody(item: Element) -> Prosody:
 def _directed_emotion(item: Element) -> DirectedEmotion:
     fields = _Fields(item)
     name, intensity = fields.text("name"), fields.number("intensity", 1.0)
-    return DirectedEmotion(name, intensity, fields.moment("from"), fields.moment("to"))
+    return DirectedEmotion(name, intensity, fields.moment("from"), fields.moment("to"), _moments(item))
+
+
+def _moments(item: Element) -> tuple[tuple[Moment, float], ...]:
+    """Keys whose times are moments."""
+    return tuple((Moment.parse(_Fields(k).text("at")), _Fields(k).number("value")) for k in item.findall("key"))
 
 
 def _directed_command(item: Element) -> DirectedCommand:
@@ -223,7 +230,7 @@ def _directed_command(item: Element) -> DirectedCommand:
 
 def _directed_curve(item: Element) -> DirectedCurve:
     fields = _Fields(item)
-    keys = tuple((Moment.parse(_Fields(k).text("at")), _Fields(k).number("value")) for k in item.findall("key"))
+    keys = _moments(item)
     interpolation, mode = item.get("interp", "linear"), item.get("mode", "add")
     parameter, fade = fields.text("parameter"), fields.number("fade", 0.0)
     return DirectedCurve(parameter, keys, interpolation, mode, fade, item.get("where", ""))
@@ -252,16 +259,24 @@ def spoken_element(spoken: Spoken, number: str) -> Element:
     for shape in speech.shapes:
         SubElement(root, "shape").text = " ".join(shape)
     for emotion in spoken.emotions:
-        if isinstance(emotion.intensity, IntensityCurve):
-            raise InputError(f"the intensity of {emotion.name!r} is a curve: give it to 'mien perform --emotion'")
-        given = _given(name=emotion.name, intensity=emotion.intensity, start=emotion.start, end=emotion.end)
-        SubElement(root, "emotion", given)
+        root.append(_emotion_element(emotion))
     group = SubElement(root, "commands")
     for command in spoken.commands:
         SubElement(group, command.name, command.given | ({WHERE: command.where} if command.where else {}))
     group = SubElement(root, "curves")
     group.extend(curve_element(curve) for curve in spoken.curves)
     _add_notes(root, speech.notes)
+    return root
+
+
+def _emotion_element(emotion: EmotionSpan) -> Element:
+    """An emotion in seconds; an intensity that changes as keys."""
+    given, curve = _given(name=emotion.name, start=emotion.start, end=emotion.end), emotion.intensity
+    if not isinstance(curve, IntensityCurve):
+        return Element("emotion", given | _given(intensity=curve))
+    root = Element("emotion", given | ({} if curve.interpolation == "smooth" else {"interp": curve.interpolation}))
+    for at, value in zip(curve.times, curve.values, strict=True):
+        SubElement(root, "key", _given(at=at, value=value))
     return root
 
 
@@ -366,7 +381,12 @@ def _spoken_command(item: Element) -> Command:
 def _emotion(item: Element) -> EmotionSpan:
     fields = _Fields(item)
     start, end = (fields.number(name) if name in item.attrib else None for name in ("start", "end"))
-    return EmotionSpan(fields.text("name"), fields.number("intensity", 1.0), start=start, end=end)
+    keys = [(_Fields(key).number("at"), _Fields(key).number("value")) for key in item.findall("key")]
+    intensity: float | IntensityCurve = fields.number("intensity", 1.0)
+    if keys:
+        between = cast(Any, item.get("interp", "smooth"))
+        intensity = IntensityCurve(tuple(at for at, _ in keys), tuple(value for _, value in keys), between)
+    return EmotionSpan(fields.text("name"), intensity, start=start, end=end)
 
 
 def _tier(root: Element, name: str, tier: str | None = None) -> Tier:

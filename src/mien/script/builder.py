@@ -18,10 +18,11 @@ from mien.script.document import (
     Segment,
     Spelling,
 )
+from mien.script.intensity import SpanPoint
 from mien.script.moments import Moment
 from mien.script.tags import Event, unknown_tag
 
-__all__ = ["SILENT", "Builder", "Element", "Opened"]
+__all__ = ["SILENT", "Builder", "Element", "OpenEmotion", "Opened"]
 
 SILENT = ("metadata", "meta", "lexicon", "lookup", "desc")
 """Elements whose text is not spoken."""
@@ -37,6 +38,18 @@ class Opened:
     text_at: int = 0
     segment_at: int = 0
     keys: list[tuple[str, float]] = field(default_factory=list)
+
+
+@dataclass
+class OpenEmotion:
+    """An emotion whose element is not closed yet."""
+
+    name: str
+    intensity: float
+    points: tuple[SpanPoint, ...]
+    start: Moment
+    goes_on: Moment
+    pieces: list[int] = field(default_factory=list)
 
 
 class Builder:
@@ -62,7 +75,7 @@ class Builder:
         self.voices: list[str | None] = [None]
         self.points: dict[str, Point] = {}
         self.opened: list[Opened] = []
-        self.emotions: list[tuple[str, float, Moment | None]] = []
+        self.emotions: list[OpenEmotion] = []
         self.done_emotions: list[DirectedEmotion] = []
         self.prosody: list[Prosody] = []
         self.commands: list[DirectedCommand] = []

@@ -79,12 +79,23 @@ class Prosody:
 
 @dataclass(frozen=True)
 class DirectedEmotion:
-    """An emotion between two moments; None means the start or end of the sound."""
+    """An emotion between two moments; None means the start or end of the sound.
+
+    Attributes
+    ----------
+    name : str
+    intensity : float
+        Held, where there are no keys.
+    start, end : Moment or None
+    keys : tuple of (Moment, float)
+        When it is how strong, if that changes (SPEC A13).
+    """
 
     name: str
     intensity: float
     start: Moment | None
     end: Moment | None
+    keys: tuple[tuple[Moment, float], ...] = ()
 
 
 @dataclass(frozen=True)

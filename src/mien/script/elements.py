@@ -10,11 +10,12 @@ from functools import cache
 from importlib.resources import files
 
 from mien.errors import InputError, unknown_name
-from mien.script.builder import Builder
+from mien.script.builder import Builder, OpenEmotion
 from mien.script.commands import Command
 from mien.script.curves import INTERPOLATIONS, MODES
 from mien.script.document import DirectedCommand, DirectedCurve, DirectedEmotion
 from mien.script.given import Given, needed, number, only
+from mien.script.intensity import parse_span_intensity
 from mien.script.moments import Moment, clock
 from mien.script.parameters import face_parameter
 from mien.script.vocal_elements import VOCAL_ELEMENTS
@@ -39,21 +40,22 @@ def _root(builder: Builder, given: Given) -> None:
 
 def _emotion(builder: Builder, given: Given) -> None:
     only(given, "name", "intensity")
-    name, intensity = needed(given, "name").lower(), number(given, "intensity", 1.0)
-    if not 0 <= intensity <= 1:
-        guess = f": did you mean {intensity / 100:g}?" if 1 < intensity <= 100 else ""
-        raise InputError(f"an intensity runs from 0 to 1, not {intensity:g}{guess}")
+    name, intensity = needed(given, "name").lower(), parse_span_intensity(given.get("intensity", "1"))
     here = builder.point()
     _interrupt(builder, here)
-    builder.emotions.append((name, intensity, here))
+    points = intensity if isinstance(intensity, tuple) else ()
+    held = 1.0 if isinstance(intensity, tuple) else intensity
+    builder.emotions.append(OpenEmotion(name, held, points, here, here))
 
     def close() -> None:
         here = builder.point(after=True)
         _interrupt(builder, here)
-        builder.emotions.pop()
+        closed = builder.emotions.pop()
+        keys = tuple((point.moment(closed.start, here), point.value) for point in closed.points)
+        for piece in closed.pieces:
+            builder.done_emotions[piece] = replace(builder.done_emotions[piece], keys=keys)
         if builder.emotions:
-            outer = builder.emotions[-1]
-            builder.emotions[-1] = (outer[0], outer[1], here)
+            builder.emotions[-1].goes_on = here
 
     builder.opened[-1].close = close
 
@@ -61,8 +63,9 @@ def _emotion(builder: Builder, given: Given) -> None:
 def _interrupt(builder: Builder, here: Moment) -> None:
     """The innermost emotion counts: the one around it ends here, and goes on after it."""
     if builder.emotions:
-        name, intensity, start = builder.emotions[-1]
-        builder.done_emotions.append(DirectedEmotion(name, intensity, start, here))
+        outer = builder.emotions[-1]
+        outer.pieces.append(len(builder.done_emotions))
+        builder.done_emotions.append(DirectedEmotion(outer.name, outer.intensity, outer.goes_on, here))
 
 
 def _pause(builder: Builder, given: Given) -> None:

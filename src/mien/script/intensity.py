@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -13,8 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import InputError
+from mien.script.moments import Moment
 
-__all__ = ["IntensityCurve", "checked_intensity", "parse_intensity", "read_intensity"]
+__all__ = [
+    "IntensityCurve",
+    "SpanPoint",
+    "checked_intensity",
+    "parse_intensity",
+    "parse_span_intensity",
+    "read_intensity",
+]
 
 Floats = NDArray[np.float64]
 
@@ -115,6 +124,72 @@ def parse_intensity(text: str) -> float | IntensityCurve:
             f"not {text!r}"
         ) from problem
     return IntensityCurve(tuple(point[1] for point in points), tuple(point[0] for point in points))
+
+
+@dataclass(frozen=True)
+class SpanPoint:
+    """A point of an intensity curve inside a tag.
+
+    Attributes
+    ----------
+    value : float
+        0 to 1.
+    place : float
+        Seconds after the start of the span, or its share of the span.
+    is_share : bool
+    """
+
+    value: float
+    place: float
+    is_share: bool = False
+
+    def moment(self, start: Moment, end: Moment) -> Moment:
+        """When that is, between the moments at which the span starts and ends."""
+        return start.towards(end, self.place) if self.is_share else start + 1000 * self.place
+
+
+_POINT = re.compile(r"\s*(?P<value>[^@\s]+)\s*@\s*(?P<place>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>s|%)?\s*")
+
+
+def parse_span_intensity(text: str) -> float | tuple[SpanPoint, ...]:
+    """Read the intensity of a tag: ``0.6``, or points in seconds from its start or in per cent of its length.
+
+    Raises
+    ------
+    InputError
+        If it is neither, out of range, or the points do not rise.
+
+    Examples
+    --------
+    >>> parse_span_intensity("0.2@0, 0.9@1.5")
+    (SpanPoint(value=0.2, place=0.0, is_share=False), SpanPoint(value=0.9, place=1.5, is_share=False))
+    >>> parse_span_intensity("0.2@0%,0.9@100%")[1]
+    SpanPoint(value=0.9, place=1.0, is_share=True)
+    """
+    if "@" not in text:
+        try:
+            return checked_intensity(float(text))
+        except ValueError as problem:
+            raise InputError(
+                f"intensity is a number from 0 to 1, or points such as 0.2@0,0.9@1.5 (value at second of the tag) or "
+                f"0.2@0%,0.9@100%, not {text!r}"
+            ) from problem
+    points: list[SpanPoint] = []
+    for part in text.split(","):
+        found = _POINT.fullmatch(part)
+        if found is None or not _is_number(found["value"]):
+            raise InputError(
+                f"a point of an intensity is VALUE@SECOND or VALUE@PERCENT% of the tag, such as 0.9@1.5 or 0.9@50%, "
+                f"not {part.strip()!r}"
+            )
+        share = found["unit"] == "%"
+        place = float(found["place"]) / (100 if share else 1)
+        if share and place > 1:
+            raise InputError(f"a point of an intensity lies between 0% and 100% of its tag, not at {100 * place:g}%")
+        points.append(SpanPoint(checked_intensity(float(found["value"])), place, share))
+        if len(points) > 1 and points[-2].is_share == share and place <= points[-2].place:
+            raise InputError(f"points of an intensity rise: {part.strip()!r} does not come after the one before it")
+    return tuple(points)
 
 
 def read_intensity(path: str | Path) -> IntensityCurve:
