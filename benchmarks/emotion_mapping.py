@@ -2,17 +2,17 @@
 
     python benchmarks/emotion_mapping.py GRID_CORPUS      # a corpus made by `mien corpus import` of grid-s1
 
-No recorded emotional motion with the same sentences ships or is at hand. So that the true change is known, sentences of
-grid-s1 are made emotional in several ways (`KINDS`), fixed before any map was tried on them. Both sides are the same
-recording, its tracker's noise smoothed away (Gaussian, one frame), said at another pace, each with fresh noise of 0.3 mm
-a coordinate. *Another take*: nobody says a sentence twice alike. The emotional side then has 0.8 of the same motion and
+No recorded emotional motion with the same sentences ships or is at hand. So that the true change is known, sentences
+of grid-s1 are made emotional in several ways (`KINDS`), fixed before any map was tried on them. Both sides are the same
+recording, its tracker's noise smoothed away (Gaussian, one frame), said at another pace, each with fresh noise of 0.3
+mm a coordinate. *Another take*: nobody says a sentence twice alike. The emotional side then has 0.8 of the same motion and
 0.6 of another sentence's: that keeps spread and speed, and differs as repetitions of words do in grid-s1 (1.7 mm,
 docs/results.md). *Wander*: a random curve of deviation 0.55 mm along the direction of the offset, by which emotional
 faces wander more than neutral ones (0.96 and 0.79 mm on the upper face; 1/e after 0.2 s); and, as a case that real faces
 are not, one of 2.8 mm.
 
-Sentence by sentence each map is learned from the others; see `mien.models.emotion_mapping.MappingScore` for the columns.
-`best possible` knows the truth: the very change without noise, wander and what another take does by chance.
+Sentence by sentence each map is learned from the others; see `mien.models.emotion_mapping.MappingScore` for the
+columns. `best possible` knows the truth: the very change without noise, wander and what another take does by chance.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ SAME, OTHER = 0.8, 0.6
 GAINS = (1.4, 0.8, 1.2)
 """How many times as far the three strongest components of speech move: opened further, rounded and spread less."""
 BY_PHONE = {0.4: "P B M F V", 1.4: "AA AE AH AO AW AY EH EY OW", 1.2: "IY IH UW UH ER"}
-"""The size of the offset where a phone is said; 1 for all others: lips that must close give way, vowels show it most."""
+"""Size of the offset where a phone is said; 1 for all others: lips that must close give way, vowels show it most."""
 TEMPO = 0.8
 
 Floats = NDArray[np.float64]
@@ -78,8 +78,8 @@ KINDS = (
     Kind("offset that differs between phones; another take", "As before.", by_phone=True, another_take=True),
     Kind(
         "offset, said in 0.8 of the time with less articulation",
-        "Faster, so the mouth undershoots: low-passed (deviation 40 ms) before the time is cut. A map keeps the time of "
-        "the source, so it cannot make faster what was said slowly.",
+        "Faster, so the mouth undershoots: low-passed (deviation 40 ms) before the time is cut. A map keeps the time "
+        "of the source, so it cannot make faster what was said slowly.",
         tempo=TEMPO,
     ),
     Kind("all of it, wandering as real faces do; another take", "", GAINS, True, TEMPO, True, 0.55),
@@ -179,8 +179,8 @@ def cost(takes: list[Take]) -> str:
     seconds = sum(len(a) for a, _ in pairs) / FPS
     components = len(learned.split_.shift)
     return (
-        f"All {pairs[0][0].shape[1]} markers, {len(pairs)} sentences of {seconds:.0f} s in all, {components} components: "
-        f"learning {learning:.1f} s, mapping {applying / (len(pairs[0][0]) / FPS):.4f} s per second of motion."
+        f"All {pairs[0][0].shape[1]} markers, {len(pairs)} sentences of {seconds:.0f} s in all, {components} "
+        f"components: learning {learning:.1f} s, mapping {applying / (len(pairs[0][0]) / FPS):.4f} s per second of motion."
     )
 
 

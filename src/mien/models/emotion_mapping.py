@@ -166,7 +166,7 @@ class EmotionMapping:
         powers = (self.code_.mixing_**2).sum(axis=1)
         if powers[speech].sum() < 0.3 * powers.sum():
             speech |= np.abs(np.array(self.split_.shift)) < _SHIFT
-        return self.code_.mixing_ * speech[:, None]
+        return np.asarray(self.code_.mixing_ * speech[:, None])
 
     def apply(self, motion: Floats, random: np.random.Generator | None = None) -> Floats:
         """The same speech in the other emotion; positions of shape (frames, markers, 3) in and out.
@@ -226,8 +226,8 @@ def split_components(coded: Sequence[Pair]) -> ComponentSplit:
         is_emotion[np.abs(shift).argmax()] = True
     if is_emotion.all() and len(is_emotion) > 1:
         is_emotion[np.abs(shift).argmin()] = False
-    columns = (shift, chance, np.exp(spread), spread_chance)
-    return ComponentSplit(*(tuple(column.tolist()) for column in columns), tuple(is_emotion.tolist()))
+    shift_, p, ratio, ratio_p = (tuple(column.tolist()) for column in (shift, chance, np.exp(spread), spread_chance))
+    return ComponentSplit(shift_, p, ratio, ratio_p, tuple(is_emotion.tolist()))
 
 
 def _over_sentences(values: Floats) -> tuple[Floats, Floats]:
