@@ -3,13 +3,13 @@
     python benchmarks/emotion_mapping.py GRID_CORPUS      # a corpus made by `mien corpus import` of grid-s1
 
 No recorded emotional motion with the same sentences ships or is at hand. So that the true change is known, sentences
-of grid-s1 are made emotional in several ways (`KINDS`), fixed before any map was tried on them. Both sides are the same
-recording, its tracker's noise smoothed away (Gaussian, one frame), said at another pace, each with fresh noise of 0.3
-mm a coordinate. *Another take*: nobody says a sentence twice alike. The emotional side then has 0.8 of the same motion and
-0.6 of another sentence's: that keeps spread and speed, and differs as repetitions of words do in grid-s1 (1.7 mm,
-docs/results.md). *Wander*: a random curve of deviation 0.55 mm along the direction of the offset, by which emotional
-faces wander more than neutral ones (0.96 and 0.79 mm on the upper face; 1/e after 0.2 s); and, as a case that real faces
-are not, one of 2.8 mm.
+of grid-s1 are made emotional in several ways (`KINDS`), fixed before any map was tried on them. Both sides are the
+same recording, its tracker's noise smoothed away (Gaussian, one frame), said at another pace, each with fresh noise
+of 0.3 mm a coordinate. *Another take*: nobody says a sentence twice alike. The emotional side then has 0.8 of the
+same motion and 0.6 of another sentence's: that keeps spread and speed, and differs as repetitions of words do in
+grid-s1 (1.7 mm, docs/results.md). *Wander*: a random curve of deviation 0.55 mm along the direction of the offset, by
+which emotional faces wander more than neutral ones (0.96 and 0.79 mm on the upper face; 1/e after 0.2 s); and, as a
+case that real faces are not, one of 2.8 mm.
 
 Sentence by sentence each map is learned from the others; see `mien.models.emotion_mapping.MappingScore` for the
 columns. `best possible` knows the truth: the very change without noise, wander and what another take does by chance.
@@ -180,7 +180,8 @@ def cost(takes: list[Take]) -> str:
     components = len(learned.split_.shift)
     return (
         f"All {pairs[0][0].shape[1]} markers, {len(pairs)} sentences of {seconds:.0f} s in all, {components} "
-        f"components: learning {learning:.1f} s, mapping {applying / (len(pairs[0][0]) / FPS):.4f} s per second of motion."
+        f"components: learning {learning:.1f} s, "
+        f"mapping {applying / (len(pairs[0][0]) / FPS):.4f} s per second of motion."
     )
 
 
