@@ -1,25 +1,31 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import mien
 from mien import channels
 from mien.animation import Animation
 from mien.audio import Audio
 from mien.cli import main
+from mien.corpus.corpus import Corpus
 from mien.errors import InputError
-from mien.models.performers import load_performer
+from mien.models.performer import Performer
+from mien.models.performer_file import save_learned
+from mien.models.performers import load_learned_performer, load_performer
 from mien.output.native import read_native, write_native
 from mien.pipeline import perform
-from mien.recolor import recolor
+from mien.recolor import recolor, recolor_markers, recolor_take
 from mien.script.score import EmotionSpan, Score
 from mien.timeline import FrameRate
-from mien.tracks import ChannelTrack
+from mien.tracks import ChannelTrack, MarkerTrack
 
+from .models.expressive_takes import emotion_maps, take
 from .utterances import utterance
 
 
@@ -81,3 +87,85 @@ def test_the_command(sad: Animation, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert (tmp_path / "h.csv").is_file()
     assert main(["recolor", str(tmp_path / "none.json"), "--to", "happy", "-o", str(target)]) == 2
     assert mien.animate(Audio.silence(0.5, 16_000)).score.emotions == ()
+
+
+@cache
+def performer() -> Performer:
+    return replace(load_performer("authored"), name="someone", emotion_maps=emotion_maps())
+
+
+def column(animation: Animation, name: str) -> NDArray[np.float64]:
+    return animation.channels.select((name,)).values[:, 0]
+
+
+def test_a_learned_map_changes_an_animation() -> None:
+    plain = spoken("neutral")
+    happy = recolor(plain, "happy", performer())
+    half = recolor(plain, "happy:0.5", performer())
+    rise = column(happy, "mouthSmileLeft").mean() - column(plain, "mouthSmileLeft").mean()
+    assert 0.3 < rise < 0.7  # the recordings held it at 0.5
+    assert 0.3 < (column(half, "mouthSmileLeft") - column(plain, "mouthSmileLeft")).mean() / rise < 0.7
+    assert abs(column(happy, "browInnerUp") - column(plain, "browInnerUp")).mean() < 0.1
+    assert any("learned from recordings: neutral to happy (4 sentences)" in note.message for note in happy.notes)
+    authored = recolor(plain, "happy", performer(), "authored")
+    assert any("is authored" in note.message for note in authored.notes)
+    assert np.array_equal(happy.channels.values, recolor(plain, "happy", performer()).channels.values)
+
+
+def test_an_emotion_of_the_animation_goes_before_the_learned_one_comes(sad: Animation) -> None:
+    other, wanted = recolor(sad, "happy", performer()), recolor(spoken("neutral"), "happy", performer())
+    assert other.score.emotions == (EmotionSpan("happy"),)
+    assert np.allclose(other.channels.values, wanted.channels.values, atol=1e-6)
+
+
+def test_a_take_comes_near_to_what_was_recorded() -> None:
+    neutral, happy = (take(9, emotion, 0.0) for emotion in ("neutral", "happy"))
+    made = recolor_take(neutral, "happy", performer())
+    assert made.markers is not None
+    real = happy.markers.positions
+    apart = [np.sqrt(((m - real) ** 2).sum(axis=2).mean()) for m in (neutral.markers.positions, made.markers.positions)]
+    assert apart[1] < 0.5 * apart[0]
+    assert 0.3 < column(made, "mouthSmileLeft").mean() < 0.7
+    assert column(made, "jawOpen").max() > 0.2
+    with pytest.raises(InputError, match="no map from 'neutral' to 'angry'"):
+        recolor_take(neutral, "angry", performer(), "learned")
+    laid = recolor_take(neutral, "angry", "authored")
+    assert any("'angry' is authored" in note.message for note in laid.notes)
+    assert any("stays in it" in note.message for note in recolor_take(happy, "angry", "authored").notes)
+
+
+def test_bare_markers_change_wherever_the_head_is() -> None:
+    track = take(9, "neutral", 0.0).markers
+    made = recolor_markers(track, "happy", performer())
+    angle = np.linspace(0, 0.5, len(track))
+    turns = np.stack([[[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]] for a in angle])
+    moved = MarkerTrack(track.names, 1.1 * np.einsum("tij,tmj->tmi", turns, track.positions) + 30.0, track.rate)
+    other = recolor_markers(moved, "happy", performer())
+    back = np.einsum("tji,tmj->tmi", turns, (other.positions - 30.0) / 1.1)
+    assert np.abs(back - made.positions).max() < 0.05
+    with pytest.raises(InputError, match="lacks 2 of the 218 markers"):
+        recolor_markers(MarkerTrack(track.names[2:], track.positions[:, 2:], track.rate), "happy", performer())
+    with pytest.raises(InputError, match="it has: none"):
+        recolor_markers(track, "happy", "authored")
+
+
+def test_the_command_on_takes_and_markers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    learned = replace(load_learned_performer("default"), emotion_maps=performer().emotion_maps)
+    save_learned(learned, tmp_path / "someone.mien")
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "mediapipe-218"})
+    corpus.add(take(9, "neutral", 0.0))
+    by = ["--to", "happy:0.8", "--performer", str(tmp_path / "someone.mien")]
+    made = [str(tmp_path / name) for name in ("take.json", "take.npz", "again.markers.csv")]
+    assert (
+        main(["recolor", str(tmp_path / "corpus"), "--take", "s9-neutral", *by, "-o", made[0], "--also", made[1]]) == 0
+    )
+    assert main(["recolor", made[1], "--from", "happy", "--to", "neutral", *by[2:], "-o", made[2]]) == 0
+    with np.load(made[1]) as file:
+        assert np.allclose(file["markers"], read_native(made[0]).markers.positions)
+    assert main(["recolor", str(tmp_path / "corpus"), *by, "-o", made[0]]) == 2
+    assert "which take" in capsys.readouterr().err
+    assert main(["recolor", made[2], *by, "-o", made[2]]) == 2
+    assert (
+        main(["recolor", made[0], "--way", "learned", "--to", "angry", "--performer", "authored", "-o", "x.json"]) == 2
+    )
+    assert "has no map from 'neutral' to 'angry'" in capsys.readouterr().err

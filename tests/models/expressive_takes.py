@@ -14,6 +14,7 @@ from mien.corpus.take import Take
 from mien.face.library import load_face
 from mien.models.authored_performance import marker_basis
 from mien.models.drift import smooth_drift
+from mien.models.emotion_maps import EmotionMaps, learn_emotion_maps
 from mien.timeline import FrameRate, Interval, Tier
 from mien.tracks import MarkerTrack
 
@@ -71,6 +72,14 @@ def take(sentence: int, emotion: str, stretch: float = 0.0, noise: float = 0.0) 
         sentence=f"s{sentence}",
         speaker="made-up",
     )
+
+
+@cache
+def emotion_maps() -> EmotionMaps:
+    """Maps between the three, from four sentences."""
+    maps = learn_emotion_maps(takes(4, stretch=0.1))
+    assert maps is not None
+    return maps
 
 
 def takes(sentences: int = 4, stretch: float = 0.25, noise: float = 0.05) -> list[Take]:

@@ -118,9 +118,23 @@ def _spaces(learned: LearnedSpeech) -> list[str]:
     spaces = {"performing mouth": learned.motion.space_, "paper's curves": learned.coarticulation.space_}
     rows = ["pose space"] + [_row(f"  {name}", _space(space)) for name, space in spaces.items()]
     if learned.expressions is None:
-        return [*rows, _row("expressions", "none recorded: the authored ones are used")]
+        return [*rows, _row("expressions", "none recorded: the authored ones are used"), *_maps(learned)]
     seconds = ", ".join(f"{name} {length:.1f} s" for name, length in learned.expressions.seconds.items())
-    return [*rows, _row("expressions", seconds), _row("  expression space", _space(learned.expressions.space.space_))]
+    space = _row("  expression space", _space(learned.expressions.space.space_))
+    return [*rows, _row("expressions", seconds), space, *_maps(learned)]
+
+
+def _maps(learned: LearnedSpeech) -> list[str]:
+    """Maps between emotions: how near each comes on sentences held out, against a mean offset."""
+    if learned.emotion_maps is None:
+        return []
+    rows = [
+        _row("emotion maps", f"{len(learned.emotion_maps.maps)}; missed on sentences held out, beside a mean offset")
+    ]
+    for (source, target), mapping in learned.emotion_maps.maps.items():
+        number = learned.emotion_maps.sentences[source, target]
+        rows.append(_row(f"  {source} to {target}", f"{mapping.map_}, from {number} sentences"))
+    return rows
 
 
 def _space(space: EMPCA) -> str:

@@ -218,6 +218,10 @@ class LivelyMap:
         self.centres_, self.weights_, self.reach_ = learned.bend(self.gain_, self.width_, self.bending_)
         return self
 
+    def __str__(self) -> str:
+        missed, offset = (float(np.sqrt(error)) for error in (self.error_, self.offset_error_))
+        return f"{missed:.2f} of {offset:.2f} mm over all markers, liveliness {self.liveliness_:.2f}"
+
     def restore(self, **learned: Floats | float) -> Self:
         """Take what was learned before, by the names of the attributes."""
         for name, value in learned.items():
@@ -279,6 +283,7 @@ class _Learned:
         self.scale = max(float(np.trace(self.gram[:size, :size])) / size, 1e-12)
         self.transport = _transport(self.gram[:size, :size], self.wanted.T @ self.wanted / len(source))
         self._centres: Floats | None = None
+        self._squares: dict[float, Floats] = {}
 
     @property
     def centres(self) -> Floats:
@@ -295,8 +300,11 @@ class _Learned:
         same[:size] = np.eye(size)
         if not np.isfinite(penalty):
             return np.asarray(same)
-        drawn = penalty * self.scale
-        squares = np.linalg.solve(self.gram + drawn * np.eye(len(self.gram)), self.cross + drawn * same)
+        if penalty not in self._squares:
+            drawn = penalty * self.scale
+            gram = self.gram + drawn * np.eye(len(self.gram))
+            self._squares[penalty] = np.linalg.solve(gram, self.cross + drawn * same)
+        squares = self._squares[penalty]
         keeping = np.zeros_like(squares)
         keeping[:size] = self.transport
         return np.asarray((1 - blend) * squares + blend * keeping)

@@ -116,6 +116,8 @@ class EmotionMapping:
         as much as is lacking until velocities spread as the real ones do.
     memory_ : float
         Frames after which it has lost two thirds of its memory.
+    beside_ : ndarray, shape (dimensions,)
+        Mean difference of what the components do not hold, mm; 0 where the map is the paper's or none.
 
     Examples
     --------
@@ -146,16 +148,23 @@ class EmotionMapping:
         met = [meeting_frames(a @ spoken, b @ spoken) for a, b in coded]
         sentences = [(a, b, path) for (a, b), path in zip(coded, met, strict=True)]
         self.met_ = MeetingFrames(sentences, self.code_.mixing_, np.array(self.split_.is_emotion))
+        left = [(self._left(a)[path[:, 0]], self._left(b)[path[:, 1]]) for (a, b), path in zip(pairs, met, strict=True)]
+        self._beside = np.concatenate([b - a for a, b in left]).mean(axis=0)
         return self.learn_map(self.component_map or LivelyMap(seed=self.seed))
 
     def learn_map(self, component_map: ComponentMap) -> Self:
         """Learn another map from the same frames."""
         self.map_ = component_map.fit(self.met_)
         self.wander_, self.memory_ = _wander(self.met_, self.map_)
+        self.beside_ = self._beside if isinstance(self.map_, OffsetMap | LivelyMap) else np.zeros_like(self._beside)
         return self
 
     def _components(self, motion: Floats) -> Floats:
         return self.code_.separate(self.code_.encode(_flat(motion)))
+
+    def _left(self, motion: Floats) -> Floats:
+        """What the components do not hold, shape (frames, dimensions)."""
+        return _flat(motion) - self.code_.decode(self.code_.encode(_flat(motion)))
 
     def _spoken(self) -> Floats:
         """What tells where in the sentence a frame stands: the speech components, mm.
@@ -171,7 +180,7 @@ class EmotionMapping:
     def apply(self, motion: Floats, random: np.random.Generator | None = None) -> Floats:
         """The same speech in the other emotion; positions of shape (frames, markers, 3) in and out.
 
-        What the components do not hold stays as it was. With ``random``, what cannot be told from the source is drawn
+        Of what the components do not hold the mean difference is added: brows move little beside a jaw. With ``random``, what cannot be told from the source is drawn
         from what the recordings had of it, so that the motion is as lively as they were.
         """
         components = self._components(motion)
@@ -180,7 +189,7 @@ class EmotionMapping:
             frames = np.arange(len(motion), dtype=np.float64)
             drawn = [smooth_drift(frames, self.memory_, random) for _ in range(len(self.wander_))]
             change = change + np.stack(drawn, axis=1) @ self.wander_
-        return np.asarray(motion + (change @ self.code_.axes_).reshape(motion.shape))
+        return np.asarray(motion + (change @ self.code_.axes_ + self.beside_).reshape(motion.shape))
 
 
 def _wander(met: MeetingFrames, learned: ComponentMap) -> tuple[Floats, float]:

@@ -14,6 +14,7 @@ from mien.models.anime_graph.graph_motion import GraphMotion, GraphMotionSetting
 from mien.models.anime_graph.weight_learning import TRIALS
 from mien.models.coarticulation import Coarticulation, CoarticulationSettings
 from mien.models.curves import fitting_cost
+from mien.models.emotion_maps import learn_emotion_maps
 from mien.models.expression_motion import find_twins
 from mien.models.performer_file import SPEECH_MODELS, LearnedSpeech
 from mien.models.recorded_expression import learn_expressions
@@ -147,9 +148,10 @@ def learn_corpus(
     felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
     felt = [pair.expressive for pair in find_twins([*takes, *felt])]
     expressions = learn_expressions([*takes, *felt]) if felt else None  # first: it is quick, and may refuse
+    maps = learn_emotion_maps([*takes, *felt]) if felt else None
     learned = learn(takes, settings, progress, name=name, about=about)
     known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
-    return replace(learned, expressions=expressions, trained_on=known)
+    return replace(learned, expressions=expressions, trained_on=known, emotion_maps=maps)
 
 
 def _is_neutral(corpus: Corpus, take: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from mien.models.authored_prosody import AuthoredProsody
 from mien.script.score import Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
+
+if TYPE_CHECKING:
+    from mien.models.emotion_maps import EmotionMaps
 
 __all__ = ["ExpressionModel", "IdleModel", "MouthModel", "Performer", "ProsodyModel"]
 
@@ -73,6 +76,8 @@ class Performer:
     name : str
     mouth, expression, idle, prosody
         The models for speech, emotion, signs of life and the accents of the voice.
+    emotion_maps : EmotionMaps or None
+        How their recorded motion changes from one emotion to another.
 
     Examples
     --------
@@ -85,6 +90,7 @@ class Performer:
     expression: ExpressionModel
     idle: IdleModel
     prosody: ProsodyModel = field(default_factory=AuthoredProsody)
+    emotion_maps: EmotionMaps | None = None
 
     @classmethod
     def authored(cls) -> Performer:

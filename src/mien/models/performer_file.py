@@ -9,6 +9,7 @@ A zip archive of one ``performer.json`` and arrays as ``.npy`` (``numpy.load`` o
     graph/...         from version 2, if it was learned: the Anime Graph and the residuals of its nodes (`graph_file`),
                       read when they are first used
     expression/...    if it was learned: the expression space and its curves (`expression_file`)
+    emotion_maps/...  from version 3, if they were learned: maps between emotions (`emotion_maps`)
 
 Saving the same performer twice gives the same bytes; loading gives the same motion, bit for bit.
 """
@@ -46,6 +47,7 @@ from mien.models.correction import Correction, CorrectionSettings
 from mien.models.coverage import Coverage
 from mien.models.curves import Curves
 from mien.models.em_pca import EMPCA
+from mien.models.emotion_maps import EmotionMaps, emotion_map_arrays, emotion_map_content, emotion_maps_from
 from mien.models.expression_file import (
     RecordedExpressions,
     expression_arrays,
@@ -59,9 +61,9 @@ from mien.models.speech_motion import SpeechMotion, SpeechMotionSettings
 
 __all__ = ["FORMAT", "SPEECH_MODELS", "VERSION", "LearnedSpeech", "load_learned", "save_learned"]
 
-FORMAT, VERSION = "mien-performer", 2
-READABLE = (1, 2)
-"""Version 1 has no graph."""
+FORMAT, VERSION = "mien-performer", 3
+READABLE = (1, 2, 3)
+"""Version 1 has no graph, version 2 no maps between emotions; a performer without such maps is written as version 2."""
 SPEECH_MODELS = ("coarticulation", "graph", "both")
 """Names of the models of the speaking mouth: learned curves, recorded motion, curves corrected by what was recorded."""
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -93,6 +95,8 @@ class LearnedSpeech:
         The model that performs if none is asked for.
     expressions : RecordedExpressions or None
         Expressions learned from expressive takes with neutral twins.
+    emotion_maps : EmotionMaps or None
+        Maps between emotions, learned from sentences that were recorded in several.
     """
 
     name: str
@@ -104,6 +108,7 @@ class LearnedSpeech:
     recorded: RecordedSpeech | None = None
     speech_model: str = "coarticulation"
     expressions: RecordedExpressions | None = None
+    emotion_maps: EmotionMaps | None = None
 
     @property
     def speech_models(self) -> tuple[str, ...]:
@@ -147,7 +152,7 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
     motion, paper = learned.motion, learned.coarticulation
     content = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": VERSION if learned.emotion_maps else VERSION - 1,
         "name": learned.name,
         "about": dict(learned.about),
         "layout": motion.layout_,
@@ -173,6 +178,9 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
     if learned.expressions is not None:
         content["expression"] = expression_content(learned.expressions)
         arrays |= expression_arrays(learned.expressions)
+    if learned.emotion_maps is not None:
+        content["emotion_maps"] = emotion_map_content(learned.emotion_maps)
+        arrays |= emotion_map_arrays(learned.emotion_maps)
     with replace_when_complete(path) as unfinished, zipfile.ZipFile(unfinished, "w") as archive:
         _write(archive, "performer.json", json.dumps(content, indent=1, ensure_ascii=False).encode())
         for name, array in arrays.items():
@@ -257,6 +265,7 @@ def load_learned(path: str | Path) -> LearnedSpeech:
             _recorded_from(path, written, content, motion) if "graph" in content else None,
             content.get("speech_model", "coarticulation"),
             expressions_from(content["expression"], arrays) if "expression" in content else None,
+            emotion_maps_from(content["emotion_maps"], arrays) if "emotion_maps" in content else None,
         )
     except FileNotFoundError as problem:
         raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien") from problem

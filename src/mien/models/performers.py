@@ -85,4 +85,5 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
 
     learned = load_learned_performer(name)
     mouth = LearnedMouth(learned, speech_model=speech_model)
-    return Performer(learned.name, mouth, expression_of(learned.expressions), AuthoredIdle())
+    expression = expression_of(learned.expressions)
+    return Performer(learned.name, mouth, expression, AuthoredIdle(), emotion_maps=learned.emotion_maps)

@@ -7,20 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mien import channels
-from mien.corpus.cleaning.normalise import best_similarity
-from mien.corpus.layouts import load_layout
 from mien.corpus.take import Take
 from mien.errors import InputError, Note
 from mien.face.face import Face
 from mien.face.library import load_face
-from mien.face.retargeting import Retargeter
 from mien.models.authored_performance import authored_expression, without_eyelids
 from mien.models.expression import Expression
 from mien.models.expression_file import RecordedExpressions, rounded
 from mien.models.expression_motion import Twins, expressive_displacement, find_twins
 from mien.models.expression_space import RATE, ExpressionSpace, ExpressiveMotion
-from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
+from mien.models.marker_channels import MarkerChannels
 
 __all__ = ["expression_of", "learn_expressions"]
 
@@ -70,22 +66,15 @@ class _ChannelsOfMarkers:
     """The channels of a face that move its marker places as a speaker's markers moved."""
 
     def __init__(self, twins: Twins, face: Face) -> None:
-        take, layout = twins.neutral, load_layout(twins.neutral.layout)
-        places = layout.places[layout.index(take.markers.names)]
-        rest = np.nanmean(take.markers.positions, axis=0)
-        self.turn = best_similarity(rest, places, np.ones(len(places)), scale=True)[:3, :3]
+        take = twins.neutral
+        rest = np.asarray(np.nanmean(take.markers.positions, axis=0))
         lids = set(take.markers.names) - set(without_eyelids(take.layout))
         self.kept = [place for place, name in enumerate(take.markers.names) if name not in lids]
-        sites = nearest_sites(face, places)
-        sought = [name for name in channels.ARKIT if name not in NOT_BY_MARKERS and not name.startswith("eyeLook")]
-        moved = {name for name in sought if any(name in part.targets for part in face.parts)}
-        self.retargeter = Retargeter(face, sites, [name for name in sought if name in moved])
-        self.columns = [channels.ALL.index(name) for name in self.retargeter.channels]
+        self.face = MarkerChannels(take.layout, take.markers.names, rest, face)
 
     def stretch(self, displacement: Floats) -> ExpressiveMotion:
         """Expressive motion of a displacement, shape (samples, markers, 3): eyelids carried, not in the space."""
-        carried = np.zeros((len(displacement), len(channels.ALL)))
-        carried[:, self.columns] = self.retargeter.solve(displacement @ self.turn.T, RATE).weights
+        carried = self.face.channels_of(displacement, RATE)
         return ExpressiveMotion(displacement[:, self.kept].reshape(len(displacement), -1), carried)
 
 

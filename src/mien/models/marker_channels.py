@@ -1,0 +1,59 @@
+"""Between a speaker's markers and the channels of a face: where the markers sit on the face, and what moves them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien import channels
+from mien.corpus.cleaning.normalise import best_similarity
+from mien.corpus.layouts import load_layout
+from mien.face.face import Face
+from mien.face.library import load_face
+from mien.face.retargeting import Retargeter, basis_at
+from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
+
+__all__ = ["MarkerChannels"]
+
+Floats = NDArray[np.float64]
+
+
+class MarkerChannels:
+    """The channels of a face that move its marker places as a speaker's markers moved, and the way back.
+
+    Parameters
+    ----------
+    layout : str
+        Name of the marker layout.
+    markers : sequence of str
+        Of the layout.
+    rest : ndarray, shape (markers, 3)
+        The speaker's markers at rest, mm.
+    face : Face or None
+        None takes the default face.
+    """
+
+    def __init__(self, layout: str, markers: Sequence[str], rest: Floats, face: Face | None = None) -> None:
+        face, known = face or load_face("default"), load_layout(layout)
+        places = known.places[known.index(markers)]
+        self.rest = rest
+        self.turn = best_similarity(rest, places, np.ones(len(places)), scale=True)[:3, :3]
+        sites = nearest_sites(face, places)
+        sought = [name for name in channels.ARKIT if name not in NOT_BY_MARKERS and not name.startswith("eyeLook")]
+        moved = {name for name in sought if any(name in part.targets for part in face.parts)}
+        self.retargeter = Retargeter(face, sites, [name for name in sought if name in moved])
+        self.columns = [channels.ALL.index(name) for name in self.retargeter.channels]
+        self._basis = basis_at(face, sites, channels.WEIGHTS)
+
+    def channels_of(self, displacement: Floats, fps: float) -> Floats:
+        """Channels, shape (frames, channels), of displacements in the speaker's axes, (frames, markers, 3), mm."""
+        values = np.zeros((len(displacement), len(channels.ALL)))
+        values[:, self.columns] = self.retargeter.solve(displacement @ self.turn.T, fps).weights
+        return values
+
+    def positions_of(self, values: Floats) -> Floats:
+        """Where the speaker's markers would stand, shape (frames, markers, 3), mm: the face's motion, to their size."""
+        moved = np.einsum("tc,cmx->tmx", values[:, : len(channels.WEIGHTS)], self._basis)
+        return np.asarray(self.rest + moved @ np.linalg.inv(self.turn).T)
