@@ -180,8 +180,9 @@ class EmotionMapping:
     def apply(self, motion: Floats, random: np.random.Generator | None = None) -> Floats:
         """The same speech in the other emotion; positions of shape (frames, markers, 3) in and out.
 
-        Of what the components do not hold the mean difference is added: brows move little beside a jaw. With ``random``, what cannot be told from the source is drawn
-        from what the recordings had of it, so that the motion is as lively as they were.
+        Of what the components do not hold the mean difference is added: brows move little beside a jaw. With
+        ``random``, what cannot be told from the source is drawn from what the recordings had of it, so that the motion
+        is as lively as they were.
         """
         components = self._components(motion)
         change = self.code_.mix(self.map_.apply(components) - components)
