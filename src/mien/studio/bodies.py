@@ -55,7 +55,8 @@ async def read_json(request: web.Request, limits: Limits, most: int | None = Non
     InputError
         If it is something else.
     """
-    return parsed(await read_bytes(request, limits, limits.json_bytes if most is None else most))
+    content = await read_bytes(request, limits, limits.json_bytes if most is None else most)
+    return parsed(content) if len(content) < _CHUNK else await asyncio.to_thread(parsed, content)
 
 
 def parsed(content: bytes) -> dict[str, Any]:

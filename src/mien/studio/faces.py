@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import shutil
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -41,7 +42,7 @@ class FaceShelf:
     def __init__(self, folder: Path, limits: Limits) -> None:
         self._folder = folder
         self._foreign: Kept[ForeignFace] = Kept(
-            "face", limits.faces, limits.kept_bytes, lambda face: face.path.unlink(missing_ok=True)
+            "face", limits.faces, limits.kept_bytes, lambda face: _removed(face.path)
         )
         self._default: bytes | None = None
         self._lock = Lock()
@@ -63,16 +64,17 @@ class FaceShelf:
         """
         from mien.face.foreign.recognition import foreign_face
 
-        path = self._folder / f"{new_id()}.glb"
+        path = self._folder / new_id() / "face.glb"
+        path.parent.mkdir()  # of its own: a GLB may name files beside it, and there are none
         path.write_bytes(content)
         try:
             foreign_face(path).require_motion()
-            face = ForeignFace(path, inspected(path))
+            face = ForeignFace(path, _checked_report(path))
         except InputError as problem:
-            path.unlink()
+            _removed(path)
             raise FieldError("face", str(problem).replace(str(path), "the GLB")) from problem
         except BaseException:
-            path.unlink()
+            _removed(path)
             raise
         return self._foreign.put(face, len(content)), face
 
@@ -95,6 +97,17 @@ class FaceShelf:
         return self._foreign.get(name).path
 
 
+def _removed(path: Path) -> None:
+    shutil.rmtree(path.parent, ignore_errors=True)
+
+
+def _checked_report(path: Path) -> dict[str, Any]:
+    try:
+        return inspected(path)
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, RecursionError) as problem:
+        raise InputError(f"the GLB's nodes do not hold together ({type(problem).__name__})") from problem
+
+
 def inspected(path: Path) -> dict[str, Any]:
     """What of a GLB's morph targets and nodes can be driven: by mesh, target and channel."""
     from mien.face.foreign.report import inspect_face
@@ -104,8 +117,10 @@ def inspected(path: Path) -> dict[str, Any]:
     for mesh in report.meshes:
         driven = {target.name: target.driven_by for target in mesh.driven}
         unknown = [target.name for target in mesh.targets if not target.driven_by]
-        meshes.append({"mesh": mesh.name, "driven": driven, "unknown": unknown})
-    return {"meshes": meshes, "nodes": report.nodes}
+        meshes.append({"mesh": mesh.name, "driven": driven, "unknown": unknown, **asdict(mesh)})
+    told = report.as_dict() | {"meshes": meshes}
+    del told["path"]
+    return told
 
 
 def _resting_glb(path: Path) -> bytes:

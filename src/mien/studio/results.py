@@ -12,6 +12,7 @@ from pathlib import Path
 from mien import api
 from mien.animation import Animation
 from mien.errors import InputError
+from mien.face.face import Face
 from mien.output.registry import EXPORTERS
 from mien.studio.jobs import Job
 from mien.studio.keeping import Kept, new_id
@@ -48,7 +49,9 @@ class ResultShelf:
         """A result by its id; raises `mien.studio.keeping.Missing`."""
         return self._files.get(name)
 
-    def export(self, animation: Animation, formats: Sequence[str], face: str | Path, job: Job) -> tuple[str, str]:
+    def export(
+        self, animation: Animation, formats: Sequence[str], face: str | Path | Face, job: Job
+    ) -> tuple[str, str]:
         """Write an animation in some formats; gives the id and the name of the file, a .zip if there are several.
 
         Raises
@@ -71,7 +74,7 @@ class ResultShelf:
 
     @staticmethod
     def _written(
-        animation: Animation, suffix: str, folder: Path, face: str | Path, job: Job, number: int, count: int
+        animation: Animation, suffix: str, folder: Path, face: str | Path | Face, job: Job, number: int, count: int
     ) -> Path:
         path = folder / f"{file_stem(animation)}{suffix}"
         job.at(f"writing {suffix}", number / count)
@@ -82,7 +85,8 @@ class ResultShelf:
         try:
             api.save(animation, path, face=face, progress=progress)
         except InputError as problem:
-            told = str(problem).replace(str(path), path.name).replace(str(face), "the face")
+            told = str(problem).replace(str(path), path.name)
+            told = told.replace(str(face), "the face") if isinstance(face, Path) else told
             raise InputError(told) from problem
         return path
 

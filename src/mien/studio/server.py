@@ -14,6 +14,7 @@ from mien.studio.access import HEADERS, Gate
 from mien.studio.bodies import TooLarge
 from mien.studio.jobs import Busy
 from mien.studio.keeping import Missing
+from mien.studio.rig_routes import RigRoutes
 from mien.studio.routes import Routes
 from mien.studio.settings import StudioSettings
 from mien.studio.watching import Watch
@@ -45,6 +46,7 @@ def application(settings: StudioSettings, workshop: Workshop) -> web.Application
     app = web.Application(middlewares=[guard], client_max_size=settings.limits.upload_bytes)
     app[WATCH] = watch
     Routes(workshop).add_to(app)
+    RigRoutes(workshop).add_to(app)
     return app
 
 

@@ -42,7 +42,9 @@ class Limits:
     workers : int
         Jobs at once.
     request_seconds : float
-        Seconds after which a request that does not arrive whole is cut off.
+        Seconds after which a body that does not arrive whole is refused, and a client that takes nothing cut off.
+    head_seconds : float
+        Seconds after which a connection without a request is closed.
     connections : int
         Connections at once; one more is closed.
     """
@@ -62,6 +64,7 @@ class Limits:
     jobs_kept: int = 64
     workers: int = 2
     request_seconds: float = 60.0
+    head_seconds: float = 15.0
     connections: int = 64
 
 

@@ -1,17 +1,23 @@
-"""Uploaded sound: measured before it is decoded whole, so that a small file cannot unpack into a huge one."""
+"""Uploaded sound: measured before it is decoded whole, and decoded in a process of its own."""
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
+
 from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.errors import InputError, Note
+from mien.errors import Note
 from mien.studio.keeping import new_id
 from mien.studio.requests import FieldError
 from mien.studio.settings import Limits
 
 __all__ = ["read_sound"]
+
+_PATIENCE = 60.0  # seconds that decoding may take
 
 
 def read_sound(content: bytes, folder: Path, limits: Limits) -> tuple[Audio, tuple[Note, ...]]:
@@ -29,46 +35,30 @@ def read_sound(content: bytes, folder: Path, limits: Limits) -> tuple[Audio, tup
     FieldError
         If it cannot be read, or is too long.
     """
-    path = folder / f"{new_id()}.sound"
+    if not content:
+        raise FieldError("sound", "the file is empty")
+    path, out = folder / f"{new_id()}.sound", folder / f"{new_id()}.npy"
     path.write_bytes(content)
     try:
-        seconds = _seconds(path, limits.seconds)
-        if seconds > limits.seconds:
-            raise InputError(f"the sound is longer than the {limits.seconds:.0f} s that the studio takes")
-        audio, notes = read_audio(path)
-    except InputError as problem:
-        raise FieldError("sound", str(problem).replace(str(path), "the sound")) from problem
+        told = _decoded(path, limits.seconds, out)
+        if "error" in told:
+            raise FieldError("sound", str(told["error"]).replace(str(path), "the sound"))
+        audio = Audio(np.load(out, allow_pickle=False), int(str(told["rate"])))
     finally:
         path.unlink(missing_ok=True)
-    return audio, tuple(Note(note.kind, note.message.replace(path.name, "the sound")) for note in notes)
+        out.unlink(missing_ok=True)
+    notes = told["notes"]
+    assert isinstance(notes, list)
+    return audio, tuple(Note(kind, message.replace(path.name, "the sound")) for kind, message in notes)
 
 
-def _seconds(path: Path, most: float) -> float:
-    """Seconds of sound in a file, counted to a little past ``most``; 0 where it cannot be told."""
-    import soundfile
-
+def _decoded(path: Path, most: float, out: Path) -> dict[str, object]:
+    command = [sys.executable, "-m", "mien.studio.sound_worker", str(path), str(most), str(out)]
     try:
-        with soundfile.SoundFile(str(path)) as sound:
-            if sound.format != "MP3":
-                return float(sound.frames / sound.samplerate)
-    except (soundfile.LibsndfileError, RuntimeError):
-        pass
-    return _decoded_seconds(path, most)
-
-
-def _decoded_seconds(path: Path, most: float) -> float:
-    """Decode and forget, since what a container promises may be wrong."""
-    import av
-
-    passed = 0.0
-    try:
-        with av.open(str(path)) as container:
-            if not container.streams.audio:
-                return 0.0
-            for frame in container.decode(container.streams.audio[0]):
-                passed += frame.samples / max(1, frame.sample_rate)
-                if passed > most:
-                    break
-    except (av.FFmpegError, ValueError, OSError):
-        return passed
-    return passed
+        done = subprocess.run(command, capture_output=True, timeout=_PATIENCE, check=False)
+        told = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        raise FieldError("sound", f"the sound could not be decoded within {_PATIENCE:.0f} s") from None
+    except ValueError as problem:  # the decoder has crashed
+        raise FieldError("sound", "the sound cannot be decoded: the file is damaged") from problem
+    return dict(told)

@@ -18,8 +18,8 @@ __all__ = ["Watch"]
 class Watch:
     """The connections of one server.
 
-    A connection on which no request is being answered has `Limits.request_seconds` to bring a whole head (bodies have
-    their own limit, where they are read); one whose answer waits to be taken has as long to take some of it.
+    A connection on which no request is being answered has `Limits.head_seconds` to bring a whole head (bodies have
+    their own limit, where they are read); one whose answer waits to be taken has `Limits.request_seconds` to take some.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -49,7 +49,7 @@ class Watch:
     async def sweep(self, server: web.Server) -> None:
         """Look at all connections again and again, for ever."""
         while True:
-            await asyncio.sleep(min(1.0, self._limits.request_seconds / 4))
+            await asyncio.sleep(min(1.0, self._limits.head_seconds / 4))
             transports = [connection.transport for connection in server.connections]
             self.look([transport for transport in transports if transport is not None], time.monotonic())
 
@@ -63,7 +63,8 @@ class Watch:
             known, since = before.get(transport, (state, now))
             since = since if known == state else now
             works = state[1] > 0 and state[2] == 0
-            if not works and now - since > self._limits.request_seconds:
+            patience = self._limits.request_seconds if state[2] else self._limits.head_seconds
+            if not works and now - since > patience:
                 transport.abort()
             else:
                 self._seen[transport] = state, since

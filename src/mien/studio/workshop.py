@@ -22,17 +22,19 @@ from mien.audio import Audio
 from mien.edits import EMPTY, EditLayer, line_of
 from mien.edits.emotions import asked_emotions
 from mien.errors import Note
+from mien.face.deformers import with_tree
 from mien.models.authored_prosody import AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
 from mien.modules.edit import with_edited_channels
 from mien.modules.perform import directed
 from mien.modules.spoken import Spoken
-from mien.studio.faces import FaceShelf
+from mien.studio.faces import DEFAULT_FACE, FaceShelf
 from mien.studio.jobs import Job, JobPool
 from mien.studio.keeping import Kept
 from mien.studio.requests import FieldError, TakeRequest
 from mien.studio.results import ResultShelf
+from mien.studio.rigs import RigShelf
 from mien.studio.settings import Limits
 from mien.studio.takes import Basis, Source, Take
 
@@ -56,6 +58,7 @@ class Workshop:
         self.takes: Kept[Take] = Kept("take", limits.takes, limits.kept_bytes)
         self.faces = FaceShelf(self.folder, limits)
         self.results = ResultShelf(self.folder, limits)
+        self.rigs = RigShelf(limits)
         self._performers: dict[tuple[str, str | None], Performer] = {}
         self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
         self._lock = RLock()
@@ -91,9 +94,15 @@ class Workshop:
         """Queue the writing of files."""
         animation = self.takes.get(name).animation
         face = self.faces.to_write(asked.get("face"))
+        rig = asked.get("rig")
+        if rig is not None:
+            if face != DEFAULT_FACE or not isinstance(rig, str):
+                raise FieldError("rig", "a rig moves the default face: leave 'face' out")
+            tree = self.rigs.get(rig).tree
 
         def work(job: Job) -> dict[str, Any]:
-            made, called = self.results.export(animation, formats, face, job)
+            shown = face if rig is None else with_tree(self.rigs.face, tree)
+            made, called = self.results.export(animation, formats, shown, job)
             return {"file": f"/api/files/{made}/{called}"}
 
         return self.jobs.start(work)
