@@ -24,7 +24,7 @@ from mien.timeline import FrameRate
 
 __all__ = ["BEHIND", "FAR_BEHIND", "Playout", "Showing"]
 
-BEHIND, FAR_BEHIND = 0.12, 1.0
+BEHIND, FAR_BEHIND = 0.08, 1.0
 """Seconds by which the sound may lie further ahead than the look-ahead before it is caught up with, or left out."""
 _MEMORY = 1.0  # seconds over which the least surplus counts
 _STEER, _MOST_STEER = 0.2, 0.02  # per second of surplus, and at most

@@ -7,7 +7,8 @@ import select
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -25,7 +26,9 @@ Pace = Literal["auto", "live", "stored"]
 comes much faster than it can have been spoken."""
 _PIECE = 8192  # bytes read at once
 _LOOK = 0.02  # seconds between looks at a file that may grow
-_FASTER, _WITHIN = 1.5, 0.5  # seconds of sound within seconds: more than that is no live source
+_LOOKED_AT = 0.3  # seconds for which it is looked at how fast sound comes, before anything is shown
+_BACKLOG = 1 << 17  # bytes that may have waited in pipes while this program started
+_FASTER = 1.5  # seconds of sound beyond them in that time: more is no live source
 _BLOCK = 0.01  # seconds of a block of the microphone
 
 
@@ -85,7 +88,7 @@ class StreamSource:
     ) -> None:
         self.name, self.stored, self.inbox = name, pace == "stored", Inbox()
         self._opened, self._sound, self._pace, self._follow = opened, StreamedSound(raw), pace, follow
-        self._stopping = threading.Event()
+        self._stopping, self._at_end = threading.Event(), False
         self._thread = threading.Thread(target=self._read, name="sound", daemon=True)
 
     def start(self) -> None:
@@ -111,25 +114,42 @@ class StreamSource:
         self.inbox.end(problem)
 
     def _read_from(self, descriptor: int) -> None:
-        began: float | None = None
-        while not self._stopping.is_set():
-            if not select.select([descriptor], [], [], 0.1)[0]:
-                continue
-            data = os.read(descriptor, _PIECE)
-            if not data:
-                if not self._follow:
-                    return
-                time.sleep(_LOOK)
-                continue
+        first = self._at_first(descriptor) if self._pace == "auto" else []
+        for data in chain(first, self._pieces(descriptor)):
             samples = self._sound.push(data)
-            began = time.monotonic() if began is None else began
-            if self._pace == "auto" and not self.stored:
-                arrived = (self.inbox.arrived + len(samples)) / RATE
-                self.stored = time.monotonic() - began < _WITHIN and arrived > _FASTER
             if not self.stored:
                 self.inbox.put(samples)
             elif not self.inbox.put_when_room(samples):
                 return
+
+    def _pieces(self, descriptor: int, until: float | None = None) -> Iterator[bytes]:
+        """Bytes as they come, to the end of the file or until an instant of `time.monotonic`."""
+        while not self._stopping.is_set() and (until is None or time.monotonic() < until):
+            if not select.select([descriptor], [], [], 0.05)[0]:
+                continue
+            if data := os.read(descriptor, _PIECE):
+                yield data
+            elif self._follow:
+                time.sleep(_LOOK)
+            else:
+                self._at_end = True
+                return
+
+    def _at_first(self, descriptor: int) -> list[bytes]:
+        """The first bytes, and from how fast they come whether the sound is stored."""
+        first = next(self._pieces(descriptor), None)
+        if first is None:
+            return []
+        sound, seconds, size, found = StreamedSound(self._sound.raw), 0.0, 0, list[bytes]()
+        for data in chain([first], self._pieces(descriptor, time.monotonic() + _LOOKED_AT)):
+            found.append(data)
+            seconds, size = seconds + len(sound.push(data)) / RATE, size + len(data)
+            beyond = seconds * max(0, size - _BACKLOG) / size
+            self.stored = beyond > _FASTER
+            if self.stored:
+                break
+        self.stored |= self._at_end
+        return found
 
 
 class MicrophoneSource:
@@ -239,4 +259,4 @@ def open_source(place: str, raw: PcmForm, pace: Pace = "auto", follow: bool = Fa
 
 
 def _is_raw(path: Path) -> bool:
-    return path.suffix.lower() in (".raw", ".pcm", ".s16", ".f32", "")
+    return path.suffix.lower() in (".raw", ".pcm", ".s16", ".f32")

@@ -161,7 +161,7 @@ class StreamedSound:
     """
 
     def __init__(self, raw: PcmForm) -> None:
-        self._raw, self._head = raw, b""
+        self.raw, self._head = raw, b""
         self._decoder: PcmDecoder | None = None
 
     @property
@@ -189,7 +189,7 @@ class StreamedSound:
             form, start = found
         else:
             self._refuse_compressed()
-            form = self._raw
+            form = self.raw
         self._decoder = PcmDecoder(form)
         return self._decoder.push(self._head[start:])
 
