@@ -352,7 +352,7 @@ def save(
     if isinstance(face, (str, Path)) and is_gltf(face):
         face = foreign_face(face, names)
     if isinstance(face, ForeignFace):
-        return tuple(note for target in targets for note in _save_foreign(animation, target, face))
+        return tuple(note for target in targets for note in _save_foreign(animation, target, face, progress))
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
     if isinstance(face, Path):
@@ -361,17 +361,19 @@ def save(
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))
 
 
-def _save_foreign(animation: Animation, target: Path, face: ForeignFace) -> tuple[Note, ...]:
+def _save_foreign(animation: Animation, target: Path, face: ForeignFace, progress: Progress | None) -> tuple[Note, ...]:
     """Write one file where the face is somebody else's."""
+    from mien.face.foreign.drawn import drawn_face
     from mien.output.driven_glb import drive_glb
     from mien.output.registry import save as save_one
 
     if target.suffix.lower() == ".glb":
         return drive_glb(animation.channels, face, target)
     if target.suffix.lower() in (".mp4", ".png"):
-        raise InputError(
-            f"{face.document.path} is driven and written as .glb; only mien's own faces are drawn: not {target}"
-        )
+        drawn = drawn_face(face)
+        shown = replace(animation, channels=drawn.track(animation.channels))
+        notes = save_one(shown, target, face=drawn.face, progress=progress)
+        return (*(Note("warning", fault) for fault in drawn.notes), *notes)
     return save_one(animation, target)
 
 

@@ -30,13 +30,15 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
 
 def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, names: str | None) -> ForeignFace:
     """Refuse what cannot be done with a foreign face before any work is done."""
+    from mien.face.foreign.drawn import not_drawn
     from mien.face.foreign.recognition import foreign_face
 
     if deformer != "blendshapes":
         raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
-    for path in outputs:
-        if path.suffix.lower() in (".mp4", ".png"):
-            raise InputError(f"{face} is driven and written as .glb; only mien's own faces are drawn: not {path}")
     recognised = foreign_face(face, names)
     recognised.require_motion()
+    for path in outputs:
+        reason = not_drawn(recognised) if path.suffix.lower() in (".mp4", ".png") else ""
+        if reason:
+            raise InputError(f"{face} cannot be drawn to {path}: {reason}")
     return recognised

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mien.face.foreign.document import GltfDocument
+from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.names import OwnNames
 from mien.face.foreign.nodes import PARTS
 from mien.face.foreign.recognition import ForeignFace, foreign_face
@@ -191,7 +192,7 @@ def face_report(face: ForeignFace) -> FaceReport:
         missing=_missing(moved),
         extensions=tuple(str(name) for name in document.list_of("extensionsUsed")),
         animations=len(document.list_of("animations")),
-        not_drawn="",
+        not_drawn=not_drawn(face),
     )
 
 

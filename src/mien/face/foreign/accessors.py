@@ -1,0 +1,140 @@
+"""Numbers out of a glTF file: plain, sparse, quantised and meshopt-compressed accessors.
+
+Source: glTF 2.0 specification, 3.6.2 (accessors, sparse ones in 3.6.2.3) and 3.11 (normalised integers);
+KHR_mesh_quantization; EXT_meshopt_compression (decoded by `mien.face.foreign.meshopt`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.face.foreign.document import GltfDocument
+
+__all__ = ["AccessorReader"]
+
+_COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+_MOST = 64_000_000
+"""Numbers in one accessor from which on it is taken for a damaged file."""
+_MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+
+
+class AccessorReader:
+    """Decodes accessors of one document; compressed buffer views are decoded once."""
+
+    def __init__(self, document: GltfDocument) -> None:
+        self.document = document
+        self._views: dict[int, bytes] = {}
+
+    def read(self, number: object, width: int) -> NDArray[np.float64]:
+        """An accessor as float64, shape (count, width); normalised integers come in 0..1 or -1..1.
+
+        Raises
+        ------
+        InputError
+            If it does not hold together, lies outside its buffer, or has another width.
+        """
+        facts = self.document._entry("accessors", number)
+        values = self._raw(facts, number)
+        if values.shape[1] != width:
+            raise InputError(f"{self.document.path}: accessor {number} has {values.shape[1]} columns, not {width}")
+        result = values.astype(np.float64)
+        if facts.get("normalized") and values.dtype.kind in "iu":
+            result = np.maximum(result / np.iinfo(values.dtype).max, -1.0)
+        if not np.isfinite(result).all():
+            raise InputError(f"{self.document.path}: accessor {number} has numbers that are not finite")
+        return result
+
+    def indices(self, number: object, below: int) -> NDArray[np.int64]:
+        """An accessor of indices, shape (count,), all of them below a count.
+
+        Raises
+        ------
+        InputError
+            As `read`, or if an index is too large.
+        """
+        values = self._raw(self.document._entry("accessors", number), number)
+        if values.dtype.kind not in "iu" or values.shape[1] != 1:
+            raise InputError(f"{self.document.path}: accessor {number} holds no indices")
+        flat = values[:, 0].astype(np.int64)
+        if len(flat) and (flat.max() >= below or flat.min() < 0):
+            raise InputError(f"{self.document.path}: accessor {number} has index {flat.max()}, of {below} vertices")
+        return flat
+
+    def whole(self, number: object, width: int) -> NDArray[np.int64]:
+        """An accessor of whole numbers as they are, shape (count, width)."""
+        values = self._raw(self.document._entry("accessors", number), number)
+        if values.shape[1] != width:
+            raise InputError(f"{self.document.path}: accessor {number} has {values.shape[1]} columns, not {width}")
+        return values.astype(np.int64)
+
+    def _raw(self, facts: dict[str, Any], number: object) -> NDArray[Any]:
+        path = self.document.path
+        kind, width = _COMPONENTS.get(facts.get("componentType", 0)), _WIDTHS.get(facts.get("type", ""))
+        count = facts.get("count")
+        if kind is None or width is None or not isinstance(count, int) or isinstance(count, bool) or count < 0:
+            raise InputError(f"{path}: accessor {number} has no known type and count")
+        if count * width > _MOST:
+            raise InputError(f"{path}: accessor {number} would have {count} elements; that is more than mien takes")
+        values = np.zeros((count, width), dtype=kind)
+        if "bufferView" in facts and count:
+            values = self._strided(facts["bufferView"], facts.get("byteOffset", 0), kind, width, count, number)
+        if "sparse" in facts:
+            values = values.copy()
+            self._lay_over(values, facts["sparse"], kind, width, number)
+        return values
+
+    def _strided(self, view: object, offset: object, kind: str, width: int, count: int, number: object) -> NDArray[Any]:
+        data, size = self._view(view), np.dtype(kind).itemsize * width
+        stride = self._stride(view, size)
+        if not isinstance(offset, int) or offset < 0 or offset + (count - 1) * stride + size > len(data):
+            raise InputError(f"{self.document.path}: accessor {number} lies outside its buffer view")
+        rows = np.ndarray((count, size), dtype=np.uint8, buffer=data, offset=offset, strides=(stride, 1))
+        return np.ascontiguousarray(rows).view(kind)
+
+    def _stride(self, view: object, size: int) -> int:
+        facts = self.document._entry("bufferViews", view)
+        for name in _MESHOPT:
+            facts = (facts.get("extensions") or {}).get(name, facts)
+        stride = facts.get("byteStride", size)
+        if not isinstance(stride, int) or not size <= stride <= 252 + size:
+            raise InputError(f"{self.document.path}: buffer view {view} has a stride of {stride} for {size} bytes")
+        return stride
+
+    def _lay_over(self, values: NDArray[Any], sparse: Any, kind: str, width: int, number: object) -> None:
+        path = self.document.path
+        try:
+            count, places, given = sparse["count"], sparse["indices"], sparse["values"]
+            place_kind = _COMPONENTS[places["componentType"]]
+        except (KeyError, TypeError) as problem:
+            raise InputError(f"{path}: accessor {number} is sparse without indices and values") from problem
+        if not isinstance(count, int) or not 0 <= count <= len(values):
+            raise InputError(f"{path}: accessor {number} says that {count} of {len(values)} elements are sparse")
+        if count:
+            rows = self._strided(places["bufferView"], places.get("byteOffset", 0), place_kind, 1, count, number)[:, 0]
+            if rows.astype(np.int64).max() >= len(values):
+                raise InputError(f"{path}: accessor {number} has a sparse index past its {len(values)} elements")
+            values[rows] = self._strided(given["bufferView"], given.get("byteOffset", 0), kind, width, count, number)
+
+    def _view(self, number: object) -> bytes:
+        facts = self.document._entry("bufferViews", number)
+        assert isinstance(number, int)
+        packed = next((p for p in ((facts.get("extensions") or {}).get(name) for name in _MESHOPT) if p), None)
+        if packed is None:
+            return self.document.view(number)
+        if number not in self._views:
+            from mien.face.foreign.meshopt import decoded
+
+            try:
+                data = self.document.span(packed, f"compressed buffer view {number}")
+                self._views[number] = decoded(
+                    data, packed["mode"], packed["count"], packed["byteStride"], packed.get("filter", "NONE")
+                )
+            except (KeyError, TypeError, ValueError) as problem:
+                told = f"{self.document.path}: buffer view {number} cannot be decoded as meshopt"
+                raise InputError(f"{told}: {problem}") from problem
+        return self._views[number]

@@ -1,0 +1,227 @@
+"""A foreign face as a `mien.face.face.Face`: for the renderer, and for whatever else wants meshes.
+
+The scene is taken at rest, skins and nodes applied, and brought to mien's axes: millimetres, looking along +z, the
+origin between the eyes. Its morph targets keep their own names (`DrawnFace.track` says how they move); the head turns
+and the eyes turn where the file has nodes for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.channels import HEAD
+from mien.errors import InputError
+from mien.face.face import Eye, Face, Part, Target
+from mien.face.foreign.accessors import AccessorReader
+from mien.face.foreign.materials import Surface, SurfaceReader
+from mien.face.foreign.nodes import world_matrices
+from mien.face.foreign.primitives import Piece, pieces_of_node
+from mien.face.foreign.recognition import ForeignFace
+from mien.tracks import ChannelTrack
+
+__all__ = ["DrawnFace", "drawn_face", "not_drawn"]
+
+Floats = NDArray[np.float64]
+_EYES_APART_MM, _MOVED_MM = 63.0, 150.0
+"""Between the eyes of an adult, and from brows to chin: what a file of unknown units is scaled to."""
+_METRES = (60.0, 400.0)
+"""Brows to chin in mm for which a file is taken to be in metres, as glTF says it should."""
+_CHIN, _RAMP = -125.0, 40.0
+_LEAST = 5e-3  # mm
+_TRUNK = 0.021
+_NOT_DECODED = ("KHR_draco_mesh_compression",)
+_LOOKS = ("Up", "Down", "In", "Out")
+
+
+@dataclass(frozen=True)
+class DrawnFace:
+    """A foreign face laid out.
+
+    Attributes
+    ----------
+    face : Face
+        Its targets are named ``mesh/target`` by number.
+    foreign : ForeignFace
+    notes : tuple of str
+        What is not drawn as the file has it.
+    """
+
+    face: Face
+    foreign: ForeignFace
+    notes: tuple[str, ...]
+
+    def track(self, channels: ChannelTrack) -> ChannelTrack:
+        """Weights of its targets, and turns of head and eyes, from mien's channels."""
+        names: list[str] = []
+        columns: list[Floats] = []
+        used = {name for part in self.face.parts for name in part.targets}
+        for mesh in self.foreign.meshes:
+            if mesh.moves:
+                weights = self.foreign.weights(mesh, channels)
+                for place, target in enumerate(mesh.targets):
+                    if target.drives and f"{mesh.number}/{place}" in used:
+                        names.append(f"{mesh.number}/{place}")
+                        columns.append(weights[:, place])
+        turning = [f"eyeLook{way}{eye.side}" for eye in {e.side: e for e in self.face.eyes}.values() for way in _LOOKS]
+        turning += HEAD if "head" in self.foreign.turning.nodes else ()
+        values = np.column_stack([*columns, channels.select(turning).values]) if turning else np.column_stack(columns)
+        return ChannelTrack((*names, *turning), values, channels.rate)
+
+
+def not_drawn(foreign: ForeignFace) -> str:
+    """Why a face cannot be drawn, as far as that can be said without decoding it; "" if nothing speaks against it."""
+    for mesh in foreign.document.list_of("meshes"):
+        for primitive in mesh["primitives"]:
+            for name in _NOT_DECODED:
+                if name in (primitive.get("extensions") or {}):
+                    return f"its meshes are compressed with {name}, which mien does not decode (driving it works)"
+    return "" if any("mesh" in node for node in foreign.document.list_of("nodes")) else "it has no node with a mesh"
+
+
+def drawn_face(foreign: ForeignFace) -> DrawnFace:
+    """Lay a foreign face out.
+
+    Raises
+    ------
+    InputError
+        If it cannot be drawn: compressed in a way that mien does not decode, damaged, or without a mesh.
+    """
+    document = foreign.document
+    reason = not_drawn(foreign)
+    if reason:
+        raise InputError(f"{document.path} cannot be drawn: {reason}")
+    reader, surfaces = AccessorReader(document), SurfaceReader(document)
+    world = world_matrices(document)
+    try:
+        pieces = [p for node in _shown(foreign) for p in pieces_of_node(foreign, node, world, reader, surfaces)]
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError) as problem:
+        raise InputError(f"{document.path} cannot be drawn: its meshes do not hold together ({problem!r})") from problem
+    if not pieces:
+        raise InputError(f"{document.path} cannot be drawn: no node of its scene shows triangles")
+    placed = _placing(foreign, pieces, world)
+    parts, eyes = [], []
+    for number, piece in enumerate(pieces):
+        part = _part(piece, f"{number} {piece.name}", placed, "head" in foreign.turning.nodes)
+        parts.append(part)
+        if piece.eye:
+            node = foreign.turning.nodes[f"eye{piece.eye}"]
+            centre = placed.points(world[node][None, :3, 3])[0]
+            degrees = [foreign.turning.degrees[way] for way in _LOOKS]
+            eyes.append(Eye(part.name, piece.eye, (centre[0], centre[1], centre[2]), *degrees))
+    name = document.path.stem
+    pivot = (0.0, -110.0, -60.0)
+    if "head" in foreign.turning.nodes:
+        point = placed.points(world[foreign.turning.nodes["head"]][None, :3, 3])[0]
+        pivot = (float(point[0]), float(point[1]), float(point[2]))
+    asset = document.json.get("asset")
+    licence = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
+    face = Face(name, tuple(parts), tuple(eyes), pivot, {}, licence)
+    return DrawnFace(face, foreign, tuple(dict.fromkeys(surfaces.faults)))
+
+
+def _shown(foreign: ForeignFace) -> list[int]:
+    """Nodes with a mesh in the scene that is shown, or anywhere where the file has no scene."""
+    document = foreign.document
+    scenes, nodes = document.list_of("scenes"), document.list_of("nodes")
+    number = document.json.get("scene", 0)
+    roots: Sequence[int] = range(len(nodes))
+    if scenes:
+        roots = scenes[number if isinstance(number, int) and 0 <= number < len(scenes) else 0].get("nodes", [])
+    found = dict.fromkeys(node for root in roots for node in document.below(root))
+    return [node for node in found if "mesh" in nodes[node]]
+
+
+@dataclass(frozen=True)
+class _Placing:
+    """From the file's axes to mien's."""
+
+    origin: Floats
+    scale: float
+    facing: int
+
+    def points(self, points: Floats) -> Floats:
+        return self.offsets(points - self.origin)
+
+    def offsets(self, offsets: Floats) -> Floats:
+        return np.asarray(offsets * self.scale * np.array([self.facing, 1.0, self.facing]))
+
+
+def _placing(foreign: ForeignFace, pieces: Sequence[Piece], world: Floats) -> _Placing:
+    nodes, facing = foreign.turning.nodes, foreign.turning.facing
+    moved = _moved(pieces)
+    height = float(np.ptp(moved[:, 1]))
+    # A face that only opens its jaw moves less than one with brows; the eyes tell better.
+    scale = _MOVED_MM / height if height > 0 else 1000.0
+    eyes = None
+    if {"eyeLeft", "eyeRight"} <= set(nodes):
+        eyes = world[[nodes["eyeLeft"], nodes["eyeRight"]], :3, 3]
+        apart = float(np.linalg.norm(eyes[0] - eyes[1]))
+        if not 0.1 * height < apart < 2 * height:
+            eyes = None
+        else:
+            scale = _EYES_APART_MM / apart
+    if _METRES[0] < 1000.0 * height < _METRES[1] and 500.0 < scale < 2000.0:
+        scale = 1000.0
+    if eyes is not None:
+        return _Placing(eyes.mean(axis=0), scale, facing)
+    low, high = moved.min(axis=0), moved.max(axis=0)
+    blinks = _blinking(foreign, pieces)
+    origin = blinks.mean(axis=0) if len(blinks) else np.array([0.5 * (low[0] + high[0]), high[1] - 0.3 * height, 0.0])
+    front = high[2] if facing > 0 else low[2]
+    origin[2] = front - facing * 30.0 / scale
+    return _Placing(origin, scale, facing)
+
+
+def _moved(pieces: Sequence[Piece]) -> Floats:
+    """Where the vertices stand that targets move by more than a tenth of the most that any vertex moves."""
+    found, most = [], 0.0
+    for piece in pieces:
+        for _, offsets in piece.targets.values():
+            most = max(most, float(np.abs(offsets).max(initial=0.0)))
+    for piece in pieces:
+        chosen = np.zeros(len(piece.vertices), dtype=bool)
+        for rows, offsets in piece.targets.values():
+            chosen[rows[np.abs(offsets).max(axis=1) > 0.1 * most]] = True
+        found.append(piece.vertices[chosen])
+    points = np.concatenate(found) if found else np.zeros((0, 3))
+    return points if len(points) > 2 else np.concatenate([piece.vertices for piece in pieces])
+
+
+def _blinking(foreign: ForeignFace, pieces: Sequence[Piece]) -> Floats:
+    """Where vertices stand that blinks move."""
+    names = {
+        f"{mesh.number}/{place}"
+        for mesh in foreign.meshes
+        for place, target in enumerate(mesh.targets)
+        for drive in target.drives
+        if drive.match.recipe.get("eyeBlinkLeft") or drive.match.recipe.get("eyeBlinkRight")
+    }
+    rows = [p.vertices[r] for p in pieces for name, (r, _) in p.targets.items() if name in names and len(r)]
+    return np.concatenate(rows) if rows else np.zeros((0, 3))
+
+
+def _part(piece: Piece, name: str, placed: _Placing, turns: bool) -> Part:
+    vertices = placed.points(piece.vertices)
+    targets = {}
+    for target, (rows, offsets) in piece.targets.items():
+        moved = placed.offsets(offsets)
+        chosen = np.abs(moved).max(axis=1, initial=0.0) > _LEAST
+        if chosen.any():
+            targets[target] = Target(rows[chosen].astype(np.int32), moved[chosen].astype(np.float32))
+    weight = piece.head_weight if turns else np.clip((vertices[:, 1] - _CHIN) / _RAMP + 1.0, 0.0, 1.0)
+    surface: Surface = piece.surface
+    return Part(
+        name=name,
+        vertices=vertices.astype(np.float32),
+        triangles=piece.triangles.astype(np.int32),
+        uv=piece.uv.astype(np.float32),
+        colours=piece.colours.astype(np.float32),
+        material=replace(surface.material),
+        # Rims of clothes do not fade out as the rim of a bust does.
+        head_weight=np.maximum(weight, _TRUNK).astype(np.float32),
+        targets=targets,
+    )

@@ -1,0 +1,141 @@
+"""Colours and pictures of a foreign face, as far as mien's renderer shows them."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.face.face import Material
+from mien.face.foreign.document import GltfDocument
+
+__all__ = ["Surface", "SurfaceReader", "srgb"]
+
+_LARGEST = 2048  # pixels of a texture's side; larger ones are halved
+_SKIN = ("skin", "face", "head", "body", "wolf3d_avatar")
+_PLAIN_SKIN = (0.80, 0.62, 0.54)  # where a picture of skin cannot be read: authored
+_PLAIN = (0.62, 0.60, 0.58)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A material as it is drawn.
+
+    Attributes
+    ----------
+    material : Material
+    coordinates : int
+        Which TEXCOORD set its picture takes.
+    transform : ndarray, shape (2, 3)
+        Brings texture coordinates to the picture (KHR_texture_transform).
+    opacity : ndarray of uint8, shape (height, width), or None
+        The picture's alpha where the material is see-through or cut out.
+    cutoff : float
+        Below this opacity, 0..1, nothing is drawn.
+    hidden : bool
+        Whether the whole material is too transparent to be drawn.
+    """
+
+    material: Material
+    coordinates: int = 0
+    transform: NDArray[np.float64] | None = None
+    opacity: NDArray[np.uint8] | None = None
+    cutoff: float = 0.0
+    hidden: bool = False
+
+
+def srgb(linear: NDArray[Any]) -> NDArray[np.float64]:
+    """SRGB of linear light, both 0..1 (IEC 61966-2-1)."""
+    light = np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0)
+    return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+class SurfaceReader:
+    """Reads the materials of one document, each once; ``faults`` tells which pictures could not be read."""
+
+    def __init__(self, document: GltfDocument) -> None:
+        self.document = document
+        self.faults: list[str] = []
+        self._known: dict[int | None, Surface] = {}
+
+    def surface(self, number: object) -> Surface:
+        """The material of a primitive; None is glTF's default one."""
+        key = number if isinstance(number, int) else None
+        if key not in self._known:
+            facts = {} if key is None else self.document._entry("materials", key)
+            self._known[key] = self._read(facts, key)
+        return self._known[key]
+
+    def _read(self, facts: dict[str, Any], number: int | None) -> Surface:
+        name = str(facts.get("name") or f"material {number}")
+        metal = facts.get("pbrMetallicRoughness") or {}
+        old = (facts.get("extensions") or {}).get("KHR_materials_pbrSpecularGlossiness") or {}
+        given = metal.get("baseColorTexture") or old.get("diffuseTexture")
+        factor = list(metal.get("baseColorFactor") or old.get("diffuseFactor") or [1.0, 1.0, 1.0, 1.0])
+        skin = any(word in name.lower() for word in _SKIN) and "hair" not in name.lower()
+        colour = srgb(np.array((factor + [1.0] * 4)[:3]))
+        picture = self._picture(given, name) if given else None
+        if given and picture is None:
+            colour = colour * np.array(_PLAIN_SKIN if skin else _PLAIN)
+        mode = facts.get("alphaMode", "OPAQUE")
+        opacity = picture[:, :, 3] if picture is not None and mode != "OPAQUE" else None
+        alpha = float(factor[3]) if len(factor) > 3 and mode != "OPAQUE" else 1.0
+        return Surface(
+            material=Material(
+                name,
+                (float(colour[0]), float(colour[1]), float(colour[2])),
+                np.ascontiguousarray(picture[:, :, :3]) if picture is not None else None,
+                roughness=float(np.clip(metal.get("roughnessFactor", 1.0), 0.3, 0.8)),
+                scatter=0.4 if skin else 0.0,
+            ),
+            coordinates=_coordinates(given),
+            transform=_transform(given),
+            opacity=opacity if opacity is not None and opacity.min() < 255 else None,
+            cutoff=float(facts.get("alphaCutoff", 0.5)) if mode == "MASK" else 0.35,
+            hidden=alpha < 0.35,
+        )
+
+    def _picture(self, given: dict[str, Any], name: str) -> NDArray[np.uint8] | None:
+        """The pixels (height, width, 4) of a texture; None with a fault where it cannot be read."""
+        from PIL import Image
+
+        try:
+            texture = self.document._entry("textures", given.get("index"))
+            extensions = texture.get("extensions") or {}
+            source = texture.get("source", (extensions.get("EXT_texture_webp") or {}).get("source"))
+            if source is None:
+                kinds = ", ".join(extensions) or "no picture"
+                raise InputError(f"its picture is {'KTX2' if 'KHR_texture_basisu' in extensions else kinds}")
+            image = self.document._entry("images", source)
+            if "uri" in image:
+                data = self.document.bytes_at(image["uri"], f"picture {source}")
+            else:
+                data = self.document.view(image.get("bufferView", -1))
+            with Image.open(io.BytesIO(data)) as opened:
+                opened.thumbnail((_LARGEST, _LARGEST))
+                return np.array(opened.convert("RGBA"), dtype=np.uint8)
+        except (InputError, OSError, ValueError, SyntaxError, Image.DecompressionBombError) as problem:
+            self.faults.append(f"material {name!r} is drawn in one colour: {problem}")
+            return None
+
+
+def _coordinates(given: object) -> int:
+    if not isinstance(given, dict):
+        return 0
+    moved = (given.get("extensions") or {}).get("KHR_texture_transform") or {}
+    number = moved.get("texCoord", given.get("texCoord", 0))
+    return number if isinstance(number, int) and number >= 0 else 0
+
+
+def _transform(given: object) -> NDArray[np.float64] | None:
+    moved = (given.get("extensions") or {}).get("KHR_texture_transform") if isinstance(given, dict) else None
+    if not moved:
+        return None
+    turn, (wide, tall) = float(moved.get("rotation", 0.0)), moved.get("scale", [1.0, 1.0])
+    across, down = moved.get("offset", [0.0, 0.0])
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.array([[cos * wide, sin * tall, across], [-sin * wide, cos * tall, down]])
