@@ -99,8 +99,6 @@ def test_our_own_glb_as_the_face_of_another(tmp_path: Path) -> None:
     assert after.json["meshes"] == before.json["meshes"]
     assert len(after.json["animations"]) == len(before.json.get("animations", [])) + 1
     assert {c["target"]["path"] for c in after.json["animations"][-1]["channels"]} == {"weights", "rotation"}
-    with pytest.raises(InputError, match="only mien's own faces are drawn"):
-        mien.save(animation, tmp_path / "a.mp4", face=str(tmp_path / "face.glb"))
 
 
 def test_bytes_kept_and_weights_written(tmp_path: Path) -> None:

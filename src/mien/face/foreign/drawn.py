@@ -32,6 +32,7 @@ _METRES = (60.0, 400.0)
 """Brows to chin in mm for which a file is taken to be in metres, as glTF says it should."""
 _CHIN, _RAMP = -125.0, 40.0
 _LEAST = 5e-3  # mm
+_FARTHEST = 1e7  # mm: the numbers of a damaged file
 _TRUNK = 0.021
 _NOT_DECODED = ("KHR_draco_mesh_compression",)
 _LOOKS = ("Up", "Down", "In", "Out")
@@ -206,6 +207,8 @@ def _blinking(foreign: ForeignFace, pieces: Sequence[Piece]) -> Floats:
 
 def _part(piece: Piece, name: str, placed: _Placing, turns: bool) -> Part:
     vertices = placed.points(piece.vertices)
+    if not np.abs(vertices).max(initial=0.0) < _FARTHEST:
+        raise InputError(f"{piece.name!r} cannot be drawn: a vertex lies {np.abs(vertices).max():.3g} mm from the eyes")
     targets = {}
     for target, (rows, offsets) in piece.targets.items():
         moved = placed.offsets(offsets)

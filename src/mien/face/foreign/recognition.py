@@ -175,6 +175,14 @@ def foreign_face(source: str | Path | GltfDocument, names: OwnNames | str | Path
     """
     document = source if isinstance(source, GltfDocument) else read_gltf(source)
     own = names if isinstance(names, OwnNames) else own_names(names) if names is not None else OwnNames()
+    try:
+        return _recognised(document, own)
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OverflowError) as problem:
+        told = f"{document.path}: its meshes, nodes or extensions do not hold together ({problem!r})"
+        raise InputError(told) from problem
+
+
+def _recognised(document: GltfDocument, own: OwnNames) -> ForeignFace:
     expressions = vrm_expressions(document)
     found = [_meanings(document, number, expressions, own) for number in range(len(document.list_of("meshes")))]
     rich = any(_mouth_channels(mesh) >= _RICH for mesh in found)
@@ -283,7 +291,9 @@ def _settled(mesh: DrivenMesh, rich: bool) -> DrivenMesh:
 
 
 def _raised(match: Match) -> set[str]:
-    return {channel for channel, weight in match.recipe.items() if weight > 0}
+    """The channels whose work a target does: those that weigh much in it."""
+    most = max(match.recipe.values(), default=0.0)
+    return {channel for channel, weight in match.recipe.items() if weight > 0.3 * most}
 
 
 def _by_size(titles: Sequence[str]) -> list[str]:
@@ -295,7 +305,7 @@ def _reason(kind: str, raised: set[str], done: set[str], by_shapes: bool) -> str
     if kind == "own":
         return ""
     if kind == "visemes":
-        return "the mesh has finer shapes of the mouth" if by_shapes and not raised <= set(TONGUE) else ""
+        return "the mesh has finer shapes of the mouth" if by_shapes else ""
     if kind == "shapes" and not by_shapes and raised & _SPEECH:
         return "the mesh has visemes that do this"
     if raised <= done:
