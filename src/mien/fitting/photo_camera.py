@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 
 FOCAL_SHARE = 1.9  # of the larger side: the usual portrait's field; 68 mm on 36 mm film
 _FOCAL_SPREAD = 0.45  # of its logarithm
+_BEHIND_DEGREES = 115.0  # a camera farther round would look at the face through the head
 _YAWS = (0.0, 45.0, -45.0, 90.0, -90.0)
 
 
@@ -51,6 +52,13 @@ class PhotoCamera:
         middle = np.array([self.width, self.height]) / 2
         return self.focal * inside[:, :2] / away[:, None] + middle, np.asarray(inside[:, 2])
 
+    def slopes(self, points: Floats) -> Floats:
+        """How pixels move as points do, shape (n, 2, 3), pixels per mm."""
+        seen, away = self.seen(points)
+        turn = self.matrix()
+        offset = (seen - np.array([self.width, self.height]) / 2)[:, :, None]
+        return np.asarray((self.focal * turn[None, :2] - offset * turn[None, 2:]) / away[:, None, None])
+
     def place(self) -> Floats:
         """Where the camera stands in the face's axes, mm."""
         return np.asarray(-self.matrix().T @ self.shift)
@@ -72,8 +80,11 @@ class PhotoCamera:
         """What is minimised: how far off points land, over sigma, and how odd the focal length is."""
         camera = self.of(numbers)
         seen, _ = camera.seen(points)
-        usual = np.log(FOCAL_SHARE * max(self.width, self.height))
-        return np.append(((seen - wanted) / sigma).ravel(), (numbers[6] - usual) / _FOCAL_SPREAD)
+        return np.append(((seen - wanted) / sigma).ravel(), self.focal_gap(numbers))
+
+    def focal_gap(self, numbers: Floats) -> float:
+        """How odd the focal length is, in standard deviations of its logarithm about a portrait lens's."""
+        return float((numbers[6] - np.log(FOCAL_SHARE * max(self.width, self.height))) / _FOCAL_SPREAD)
 
 
 def _start(width: int, height: int, yaw: float, points: Floats, wanted: Floats) -> PhotoCamera:
@@ -101,7 +112,7 @@ def find_camera(width: int, height: int, points: Floats, wanted: Floats, sigma: 
         camera = refined_camera(_start(width, height, yaw, points, wanted), points, wanted, sigma)
         seen, away = camera.seen(points)
         left = float(np.sqrt(((seen - wanted) ** 2).sum(1).mean()))
-        if away.min() < 50.0:
+        if away.min() < 50.0 or abs(camera.yaw()) > _BEHIND_DEGREES:
             left = np.inf
         if best is None or left < best[1]:
             best = camera, left

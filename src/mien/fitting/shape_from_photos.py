@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 _FRONT_DEGREES, _SIDE_DEGREES = 30.0, 20.0
 _MIRROR_SHARE = 0.6
 _POOR_SHARE = 0.05  # of the face's size in the picture: a worse fit is no fit
-_ODD_SIGMAS, _REFUSED_SIGMAS = 5.0, 14.0
+_ODD_SIGMAS, _REFUSED_SIGMAS = 5.0, 30.0
 
 
 @dataclass(frozen=True)
@@ -136,9 +136,9 @@ def _first_cameras(mean: Floats, photos: Sequence[Photo]) -> tuple[list[PhotoCam
                 f"{photo.name}: left and right are swapped in its landmarks (left is the person's own), "
                 "or the picture is mirrored"
             )
-        if left > _POOR_SHARE * size:
+        if not left <= _POOR_SHARE * size:
             raise InputError(
-                f"{photo.name}: its landmarks fit no head ({left:.0f} pixels off on average): are they of this "
+                f"{photo.name}: its landmarks fit no head ({left:.0f} pixels off): are they of this "
                 "picture, in pixels from its upper left corner?"
             )
         cameras.append(camera)
@@ -201,21 +201,44 @@ def _fitted(
     bases = [space.components[:count, photo.vertices].astype(np.float64) for photo in photos]
     means = [(space.rest + space.mean)[photo.vertices] for photo in photos]
 
+    def own_of(numbers: Floats, i: int) -> Floats:
+        return numbers[count + 7 * i : count + 7 * i + 7]
+
+    def points_of(numbers: Floats, i: int) -> Floats:
+        return np.asarray(means[i] + np.tensordot(numbers[:count], bases[i], axes=1))
+
+    def share(photo: Photo) -> Floats:
+        return np.asarray(_fewer(photo) / np.repeat(photo.sigma, 2))
+
     def gaps(numbers: Floats) -> Floats:
-        weights = numbers[:count]
-        rows = [weights]
+        rows = [numbers[:count]]
         for i, photo in enumerate(photos):
-            points = means[i] + np.tensordot(weights, bases[i], axes=1)
-            own = numbers[count + 7 * i : count + 7 * i + 7]
-            rows.append(cameras[i].gaps(own, points, photo.pixels, 1.0)[-1:])
-            seen = cameras[i].of(own).seen(points)[0]
-            rows.append(((seen - photo.pixels) / photo.sigma[:, None]).ravel() * _fewer(photo))
+            own = own_of(numbers, i)
+            rows.append(np.array([cameras[i].focal_gap(own)]))
+            seen = cameras[i].of(own).seen(points_of(numbers, i))[0]
+            rows.append((seen - photo.pixels).ravel() * share(photo))
         return np.concatenate(rows)
 
+    def slopes(numbers: Floats) -> Floats:
+        """Of the gaps, by the weights in closed form, by each camera's seven numbers by differences."""
+        blocks = [np.hstack([np.eye(count), np.zeros((count, len(numbers) - count))])]
+        for i, photo in enumerate(photos):
+            own, points = own_of(numbers, i), points_of(numbers, i)
+            at = slice(count + 7 * i, count + 7 * i + 7)
+            prior, block = np.zeros((1, len(numbers))), np.zeros((2 * len(points), len(numbers)))
+            prior[0, count + 7 * i + 6] = cameras[i].focal_gap(own + np.eye(7)[6]) - cameras[i].focal_gap(own)
+            moves = cameras[i].of(own).slopes(points)
+            block[:, :count] = np.einsum("nij,knj->nik", moves, bases[i]).reshape(-1, count)
+            steps = 1e-5 * np.eye(7)
+            for k, step in enumerate(steps):
+                ahead, behind = (cameras[i].of(own + sign * step).seen(points)[0] for sign in (1, -1))
+                block[:, at.start + k] = (ahead - behind).ravel() / 2e-5
+            blocks += [prior, block * share(photo)[:, None]]
+        return np.concatenate(blocks)
+
     start = np.concatenate([np.zeros(count), *(camera.numbers() for camera in cameras)])
-    found = least_squares(gaps, start, loss="soft_l1", f_scale=2.5, max_nfev=40, x_scale="jac")
-    own = [camera.of(found.x[count + 7 * i : count + 7 * i + 7]) for i, camera in enumerate(cameras)]
-    return np.asarray(found.x[:count]), own
+    found = least_squares(gaps, start, slopes, loss="soft_l1", f_scale=2.5, max_nfev=60, x_scale="jac")
+    return np.asarray(found.x[:count]), [camera.of(own_of(found.x, i)) for i, camera in enumerate(cameras)]
 
 
 def _fewer(photo: Photo) -> float:
@@ -248,16 +271,13 @@ def _displacement(
     marks = np.unique(np.concatenate([photo.vertices for photo in photos]))
     rows, right = [], []
     for photo, camera in zip(photos, cameras, strict=True):
-        seen, away = camera.seen(shape[photo.vertices])
-        turn = camera.matrix()
-        middle = np.array([camera.width, camera.height]) / 2
+        seen, _ = camera.seen(shape[photo.vertices])
+        slopes = camera.slopes(shape[photo.vertices])
         column = np.searchsorted(marks, photo.vertices)
         weight = _fewer(photo) / photo.sigma
         for i in range(len(photo.vertices)):
-            by_depth = (seen[i] - middle)[:, None] * turn[2][None] / away[i]
-            jacobian = camera.focal / away[i] * turn[:2] - by_depth
             row = np.zeros((2, 3 * len(marks)))
-            row[:, 3 * column[i] : 3 * column[i] + 3] = jacobian * weight[i]
+            row[:, 3 * column[i] : 3 * column[i] + 3] = slopes[i] * weight[i]
             rows.append(row)
             right.append((photo.pixels[i] - seen[i]) * weight[i])
     design, wanted = np.concatenate(rows), np.concatenate(right)
