@@ -10,6 +10,7 @@
   (mm), against what ``mien animate`` makes of the same sound with its text (the default performer, whole). ``same
   model``: against the same speech model (learned curves) over the hand-made phones with no limit ahead: what is lost by
   not knowing the future, if every phone were known as soon as it is said.
+* Harmed sound: every third utterance, 150 ms; noise is white and its level relative to the mean power of the utterance.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from hand_labels import Labelled
 from numpy.typing import NDArray
+from scipy.signal import butter, fftconvolve, sosfilt
 from scipy.spatial import cKDTree
 
 from mien import channels
@@ -33,6 +35,7 @@ from mien.models.authored_mouth import AuthoredMouth
 from mien.models.performers import load_performer
 from mien.models.streaming_mouth import StreamingMouth, without_sound
 from mien.speech.align import align
+from mien.speech.phone_stream import PhoneStream
 from mien.speech.recognise import recognise
 from mien.speech.streaming_features import RATE as HEARD
 from mien.speech.utterance import PAUSE, Utterance
@@ -185,6 +188,52 @@ def section(items: list[Labelled], damaged: int) -> Iterator[str]:
     for look_ahead in LOOK_AHEADS:
         pairs = [(known.streamed(item, look_ahead), known.whole(item)) for item in items]
         yield f"| {look_ahead * 1000:g} ms | {_rms(pairs):.4f} | {_millimetres(pairs, mouth):.2f} |"
+    yield "\nHarmed sound.\n"
+    yield "| sound | frames with the right viseme |"
+    yield "| --- | --- |"
+    for name, harm in harmed().items():
+        yield f"| {name} | {np.concatenate([_heard(item, harm) for item in items[::3]]).mean():.1%} |"
+
+
+def harmed() -> dict[str, Callable[[Floats, np.random.Generator], Floats]]:
+    """What is done to a sound at 16 kHz."""
+
+    def noisy(decibels: float) -> Callable[[Floats, np.random.Generator], Floats]:
+        return lambda x, random: x + random.normal(0, x.std() * 10 ** (-decibels / 20), len(x))
+
+    def room(x: Floats, random: np.random.Generator) -> Floats:
+        tail = random.normal(size=6400) * np.exp(-6.9 * np.arange(6400) / 6400)
+        tail[0] = 3.0 * np.sqrt((tail[1:] ** 2).sum())
+        return np.asarray(fftconvolve(x, tail / tail[0])[: len(x)])
+
+    band = butter(4, (300, 3400), "band", fs=HEARD, output="sos")
+    return {
+        "as it is": lambda x, _: x,
+        "noise 20 dB below": noisy(20),
+        "noise 10 dB below": noisy(10),
+        "noise 5 dB below": noisy(5),
+        "30 dB quieter, in steps of 16 bit": lambda x, _: np.round(x * 10**-1.5 * 32768) / 32768,
+        "clipped at a tenth of its peak": lambda x, _: np.clip(x, -0.1 * np.abs(x).max(), 0.1 * np.abs(x).max()),
+        "through a telephone": lambda x, _: np.asarray(sosfilt(band, x)),
+        "in a room (0.4 s)": room,
+        "offset by 0.1": lambda x, _: x + 0.1,
+    }
+
+
+def _heard(item: Labelled, harm: Callable[[Floats, np.random.Generator], Floats]) -> NDArray[np.bool_]:
+    """In which frames the viseme is right with 150 ms of look-ahead."""
+    stream, shown, given = PhoneStream(), [], 0
+    samples = harm(item.audio.resampled(HEARD).samples.astype(np.float64), np.random.default_rng(1))
+    samples = np.concatenate([samples, np.full(HEARD, samples[-1])])
+    times = RATE.times(RATE.frames_covering(item.audio.duration))
+    for seconds in times:
+        upto = round((seconds + 0.15) * HEARD)
+        stream.push(samples[given:upto])
+        given = upto
+        phone = stream.phones().at(seconds)
+        shown.append(phone.label if phone else PAUSE)
+    true = visemes(labels_of(item.phones, times))
+    return np.array([a == b for a, b in zip(visemes(shown), true, strict=True)])
 
 
 def _row(

@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 LABELS = (PAUSE, *sorted(phone_table()))
 OFFSETS = np.array([-24, -19, -15, -12, -10, -8, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15])
 HELD_OUT = ("08", "15")  # speakers of EmoDB: a woman, a man
-BATCH, RATE_OF_LEARNING, DROPOUT, SMOOTHING = 512, 1.5e-3, 0.15, 0.05
+BATCH, DROPOUT, SMOOTHING = 512, 0.15, 0.05
 WHOLE_FUTURE = 0.4  # share of rows that are learned with all of their future
 
 Single = NDArray[np.float32]
@@ -44,16 +44,18 @@ def main() -> None:
     parser.add_argument("speech", type=Path)
     parser.add_argument("data", type=Path)
     parser.add_argument("grid", type=Path)
-    parser.add_argument("--hidden", type=int, nargs="+", default=[512, 320, 256])
-    parser.add_argument("--rounds", type=int, default=10, help="variations of everything (default 10)")
+    parser.add_argument("--hidden", type=int, nargs="+", default=[512, 256, 256])
+    parser.add_argument("--rounds", type=int, default=8, help="variations of everything (default 8)")
     parser.add_argument("--passes", type=int, default=2, help="through each of them (default 2)")
+    parser.add_argument("--rate", type=float, default=1.5e-3, help="size of the first steps (default 1.5e-3)")
+    parser.add_argument("--from", dest="start", help="a network that was learned before, to go on from")
     parser.add_argument("--out", default=str(ROOT / "src/mien/assets/live/recogniser.npz"))
     options = parser.parse_args()
     made, emodb, grid = list(synthetic(options.speech)), list(german(options.data)), list(british(options.grid))
     held = [line for line in emodb if line.speaker in HELD_OUT]
     emodb = [line for line in emodb if line.speaker not in HELD_OUT]
     print(f"{len(made)} synthetic, {len(emodb)} German, {len(grid)} GRID lines; {len(held)} held out", flush=True)
-    random = np.random.default_rng(5)
+    random = np.random.default_rng([5, bool(options.start)])
     test = heard([plain(line) for line in held])
     learner: Learner | None = None
     began = time.monotonic()
@@ -62,7 +64,7 @@ def main() -> None:
         wide = {id(line): 2.5 if line.speaker != "grid" and not line.speaker.isdigit() else 1.5 for line in everything}
         rows, labels, starts = heard([varied(line, everything, random, wide[id(line)]) for line in everything])
         if learner is None:
-            learner = Learner(rows, labels, options.hidden, options.rounds * options.passes, random)
+            learner = Learner(rows, labels, options, random)
             learner.log_follow = following(made)
         for _ in range(options.passes):
             learner.learn(rows, labels, starts)
@@ -148,20 +150,24 @@ class Learner:
     """Gradient descent on the cross entropy, with the future of most rows cut off at random."""
 
     def __init__(
-        self, rows: Single, labels: NDArray[np.int64], hidden: Sequence[int], passes: int, random: np.random.Generator
+        self, rows: Single, labels: NDArray[np.int64], options: argparse.Namespace, random: np.random.Generator
     ) -> None:
         self.random = random
         self.mean, self.spread = rows.mean(axis=0), rows.std(axis=0) + np.float32(1e-3)
         share = np.bincount(labels, minlength=len(LABELS)) / len(labels)
         self.log_follow = np.zeros((len(LABELS), len(LABELS)), np.float32)
         self.log_share = np.log(np.maximum(share, 1e-5)).astype(np.float32)
-        sizes = [len(OFFSETS) * (COLUMNS + 1), *hidden, len(LABELS)]
+        sizes = [len(OFFSETS) * (COLUMNS + 1), *options.hidden, len(LABELS)]
         self.layers = [
             (random.normal(0, np.sqrt(2 / a), (a, b)).astype(np.float32), np.zeros(b, np.float32))
             for a, b in pairwise(sizes)
         ]
-        steps = passes * (len(rows) // BATCH)
-        self.adam = Adam([array for layer in self.layers for array in layer], RATE_OF_LEARNING, steps)
+        if options.start:
+            before = FrameClassifier.load(options.start)
+            self.layers = [(weights.copy(), bias.copy()) for weights, bias in before.layers]
+            self.mean, self.spread, self.log_share = before.mean, before.spread, before.log_share
+        steps = options.rounds * options.passes * (len(rows) // BATCH)
+        self.adam = Adam([array for layer in self.layers for array in layer], options.rate, steps)
 
     def network(self) -> FrameClassifier:
         """What was learned until now."""

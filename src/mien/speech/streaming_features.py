@@ -30,7 +30,10 @@ _FLOOR = 1e-7  # power of a band below which nothing is heard: about the step of
 # Natural logarithms of power, as speech at a usual level has them; what is believed before anything is heard.
 _USUAL_PEAK, _USUAL_FLOOR = -4.0, -12.0
 _PEAK_RISE, _PEAK_FALL, _FLOOR_FALL, _FLOOR_RISE, _MEAN_TIME = 0.05, 4.0, 0.1, 8.0, 2.0  # seconds
+_PEAK_FIRST_FALL = 0.3  # seconds: the first belief about the level is given up sooner than what was heard
 _NEAR_FLOOR, _BELOW_PEAK, _STEEPNESS = 2.0, 2.5, 1.5
+_MOST_GAIN = 7.0  # how far a quiet voice is raised (30 dB): else its weak sounds are below the least that is heard
+_DEEPEST = 12.0  # the quietest is not believed to lie further below the loudest: sound may begin after true silence
 _SHARE = 0.8
 _MEAN_TRUST = 20.0  # rows that the first belief about the mean is worth
 
@@ -73,7 +76,7 @@ class StreamingFeatures:
         self._bank = mel_bank(warp)
         self._kept = np.zeros(0)
         self._state: Floats | None = None
-        self._peak, self._floor = _USUAL_PEAK, _USUAL_FLOOR
+        self._peak, self._floor, self._spoken = _USUAL_PEAK, _USUAL_FLOOR, 0.0
         self._sum, self._weight = np.full(BANDS, _USUAL_PEAK - 1.0) * _MEAN_TRUST, _MEAN_TRUST
 
     def push(self, samples: NDArray[np.floating]) -> Floats:
@@ -88,7 +91,7 @@ class StreamingFeatures:
             return np.zeros((0, COLUMNS))
         windows = np.lib.stride_tricks.sliding_window_view(held, WINDOW)[: count * HOP : HOP]
         power = np.abs(np.fft.rfft(windows * _hamming(), _SIZE)) ** 2
-        return self._normalised(np.log(power @ self._bank + _FLOOR))
+        return self._normalised(power @ self._bank)
 
     def _sharpened(self, samples: NDArray[np.floating]) -> Floats:
         """Without an offset, and with the high notes lifted."""
@@ -97,16 +100,19 @@ class StreamingFeatures:
         sharpened, self._state = lfilter(*_filter(), samples, zi=self._state)
         return np.asarray(sharpened)
 
-    def _normalised(self, logs: Floats) -> Floats:
-        rows = np.empty((len(logs), COLUMNS))
-        for row, log, level in zip(rows, logs, logs.mean(axis=1).tolist(), strict=True):
+    def _normalised(self, powers: Floats) -> Floats:
+        rows = np.empty((len(powers), COLUMNS))
+        levels = np.log(powers + _FLOOR * math.exp(-_MOST_GAIN)).mean(axis=1)
+        for row, power, level in zip(rows, powers, levels.tolist(), strict=True):
             self._follow(level)
+            gain = min(max(_USUAL_PEAK - self._peak, 0.0), _MOST_GAIN)
+            log = np.log(power * math.exp(gain) + _FLOOR)
             loud = 1 / (1 + math.exp(-_STEEPNESS * (level - self._peak + _BELOW_PEAK)))
             self._sum = self._sum * _KEEP_MEAN + loud * log
             self._weight = self._weight * _KEEP_MEAN + loud
             mean = self._sum / self._weight
             row[:BANDS] = log - _SHARE * mean - (1 - _SHARE) * mean.mean()
-            row[BANDS:] = level - self._peak, level - self._floor
+            row[BANDS:] = level - self._peak, level - max(self._floor, self._peak - _DEEPEST)
         return rows
 
     def _follow(self, level: float) -> None:
@@ -114,7 +120,8 @@ class StreamingFeatures:
         if level > self._peak:
             self._peak += (level - self._peak) * _rate(_PEAK_RISE)
         elif level > self._floor + _NEAR_FLOOR:
-            self._peak += (level - self._peak) * _rate(_PEAK_FALL)
+            self._spoken += HOP / RATE
+            self._peak += (level - self._peak) * _rate(min(_PEAK_FIRST_FALL + self._spoken, _PEAK_FALL))
         self._floor += (level - self._floor) * _rate(_FLOOR_FALL if level < self._floor else _FLOOR_RISE)
 
 
@@ -130,7 +137,6 @@ def _hamming() -> Floats:
     return np.hamming(WINDOW)
 
 
-@cache
 def _rate(seconds: float) -> float:
     return 1 - math.exp(-HOP / RATE / seconds)
 
