@@ -1,10 +1,11 @@
 """How good and how fast is live? Writes docs/tables/live.md.
 
     python benchmarks/live.py accuracy --data FOLDER        about ten minutes on two cores
-    python benchmarks/live.py timing                        about three minutes, on a machine that does nothing else
+    python benchmarks/live.py timing                        about four minutes, on a machine that does nothing else
+    python benchmarks/live.py page                          about a minute; wants Chromium
 
-FOLDER holds timit-sample. Each part is written to its own half of the file; the other half stays. Definitions stand at
-the heads of ``live_accuracy.py`` and ``live_timing.py``.
+FOLDER holds timit-sample. Each part is written to its own place in the file; the others stay. Definitions stand at the
+heads of ``live_accuracy.py``, ``live_timing.py`` and ``live_page.py``.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "live.md"
-HEAD = "# Live\n\nWritten by `python benchmarks/live.py`, one half by `accuracy`, one by `timing`.\n"
-PARTS = ("accuracy", "timing")
+HEAD = "# Live\n\nWritten by `python benchmarks/live.py`, a part each by `accuracy`, `timing` and `page`.\n"
+PARTS = ("accuracy", "timing", "page")
 
 
 def main() -> None:
@@ -38,6 +39,10 @@ def lines(options: argparse.Namespace) -> Iterator[str]:
         import live_timing
 
         return live_timing.section()
+    if options.part == "page":
+        import live_page
+
+        return live_page.section()
     import hand_labels
     import live_accuracy
 
@@ -47,12 +52,12 @@ def lines(options: argparse.Namespace) -> Iterator[str]:
 def write(part: str, text: str) -> None:
     """Put one part into the file and keep the other."""
     kept = OUT.read_text(encoding="utf-8") if OUT.exists() else ""
-    halves = {name: _half(kept, name) for name in PARTS} | {part: text}
-    marked = [f"<!-- {name} -->\n{halves[name]}<!-- end of {name} -->\n" for name in PARTS]
+    parts = {name: _part(kept, name) for name in PARTS} | {part: text}
+    marked = [f"<!-- {name} -->\n{parts[name]}<!-- end of {name} -->\n" for name in PARTS]
     OUT.write_text("\n".join([HEAD, *marked]), encoding="utf-8")
 
 
-def _half(kept: str, name: str) -> str:
+def _part(kept: str, name: str) -> str:
     _, found, rest = kept.partition(f"<!-- {name} -->\n")
     return rest.partition(f"<!-- end of {name} -->")[0] if found else ""
 

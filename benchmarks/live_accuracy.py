@@ -1,4 +1,4 @@
-"""How near is the live mouth to the truth and to the offline result? Half of docs/tables/live.md; run ``live.py``.
+"""How near is the live mouth to the truth and to the offline result? A third of docs/tables/live.md; run ``live.py``.
 
 * Truth: the hand-made phones of timit-sample (nothing was learned from it; half of its speakers were looked at while
   settings were chosen: the other four stand in a column of their own). Damaged files are left out.

@@ -1,4 +1,4 @@
-"""How late, how much work, how many at once? Half of docs/tables/live.md; run ``live.py``.
+"""How late, how much work, how many at once? A third of docs/tables/live.md; run ``live.py``.
 
 * Late: from the instant at which a sound is made until the frame that shows it has been received by a WebSocket client
   in another process; the source gives 10 ms of sound every 10 ms, as a sound card does. The stated look-ahead is part
