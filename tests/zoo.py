@@ -75,7 +75,8 @@ class Builder:
             view = self.view(data.tobytes())
         entry = {"bufferView": view, "componentType": _TYPES[kind], "count": len(data), "type": width, **facts}
         if bounds:
-            entry |= {"min": data.min(axis=0).tolist(), "max": data.max(axis=0).tolist()}
+            flat = data.reshape(len(data), -1)
+            entry |= {"min": flat.min(axis=0).tolist(), "max": flat.max(axis=0).tolist()}
         return self.put("accessors", entry)
 
     def sparse(self, values: np.ndarray) -> int:

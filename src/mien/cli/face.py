@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from mien.cli import face_fit, face_inspect, face_photos, face_rig
+from mien.cli import face_fit, face_inspect, face_photos, face_retarget, face_rig
 
 __all__ = ["add_command"]
 
 
-def add_command(commands: Any) -> None:
-    """Add ``mien face`` with its own commands."""
+def add_command(commands: Any, checked_face: face_retarget.CheckFace, finish: face_retarget.Finish) -> None:
+    """Add ``mien face`` with its own commands; ``checked_face`` and ``finish`` as for ``mien express``."""
     face = commands.add_parser("face", help="what moves a face: parameter trees, parameters from poses and recordings")
     kinds = face.add_subparsers(title="face commands", required=True, metavar="FACE_COMMAND")
     face_rig.add_commands(kinds)
     face_inspect.add_command(kinds)
     face_fit.add_command(kinds)
     face_photos.add_command(kinds)
+    face_retarget.add_command(kinds, checked_face, finish)

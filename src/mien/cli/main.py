@@ -105,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     learn.add_command(commands)
     evaluate.add_command(commands)
     inspect.add_command(commands)
-    face_commands.add_command(commands)
+    face_commands.add_command(commands, _checked_face, _finish)
     express.add_command(commands, _checked_face, _finish)
     recolor.add_command(commands, _checked_face, _finish)
     add_emotion_commands(commands)

@@ -7,7 +7,7 @@ and the eyes turn where the file has nodes for them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,6 +71,38 @@ class DrawnFace:
         turning += HEAD if "head" in self.foreign.turning.nodes else ()
         values = np.column_stack([*columns, channels.select(turning).values]) if turning else np.column_stack(columns)
         return ChannelTrack((*names, *turning), values, channels.rate)
+
+    def by_channels(self) -> Face:
+        """The face with targets named by channels, as what solves for channels wants it.
+
+        A channel's target is the sum of what it adds to the file's targets; what a sum takes away, and that it is held
+        in 0..1, is not in it.
+        """
+        shares: dict[str, dict[str, float]] = {}
+        for mesh in self.foreign.meshes:
+            for place, target in enumerate(mesh.targets):
+                for drive in target.drives:
+                    for channel, weight in drive.match.recipe.items():
+                        if weight > 0:
+                            into = shares.setdefault(channel, {})
+                            name = f"{mesh.number}/{place}"
+                            into[name] = into.get(name, 0.0) + weight * drive.share
+        parts = []
+        for part in self.face.parts:
+            targets = {channel: _summed(part, names) for channel, names in shares.items()}
+            parts.append(
+                replace(part, targets={name: target for name, target in targets.items() if len(target.vertices)})
+            )
+        return replace(self.face, parts=tuple(parts))
+
+
+def _summed(part: Part, shares: Mapping[str, float]) -> Target:
+    dense = np.zeros((len(part.vertices), 3), dtype=np.float32)
+    for name, share in shares.items():
+        if name in part.targets:
+            dense[part.targets[name].vertices] += np.float32(share) * part.targets[name].offsets
+    rows = np.flatnonzero(dense.any(axis=1))
+    return Target(rows.astype(np.int32), dense[rows])
 
 
 def not_drawn(foreign: ForeignFace) -> str:
