@@ -454,6 +454,7 @@ def prepared(
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     prosody: float | str = DEFAULT_STRENGTH,
+    speech_model: str | None = None,
 ) -> tuple[Performer, Score, FrameRate]:
     """What `say` makes of the options that concern the performance: performer, direction for the whole, frame rate.
 
@@ -462,7 +463,7 @@ def prepared(
     InputError
         If an option is not understood.
     """
-    return _prepared(performer, None, emotion, fps, seed, prosody)
+    return _prepared(performer, speech_model, emotion, fps, seed, prosody)
 
 
 def _prepared(

@@ -35,7 +35,7 @@ def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, said: str, emotion:
     library = shipped_library()
     performer, score, rate = api.prepared("authored", emotion, seed=3)
     perform = Perform(
-        library, performer, rate, 3, score, lambda made, _: write_native(made, tmp_path / "pipe.json") and None
+        library, performer, rate, 3, score, lambda made, *_: write_native(made, tmp_path / "pipe.json") and None
     )
     text = said
     for module in (Interpret(library), Speak(library, "kokoro-heart", 3), Translate(library, lambda notes: None)):

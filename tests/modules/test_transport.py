@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from mien.errors import InputError, OutputError
+from mien.modules.handlers import output_path, refusal_frame
 from mien.modules.messages import Messages
 from mien.modules.running import Module
 from mien.modules.transport import Delivery, Listener, Sender, parse_address
@@ -181,11 +182,15 @@ def test_a_refusal_is_told_passed_on_and_ends_with_two() -> None:
     source, sink, told = _Given("<a/>", "<b/>", "<c/>"), _Kept(), []
     assert Module("translate", handle, source, sink, told.append).run() == 2
     assert sink.lines == ["<out1/>", '<refused module="translate" line="2">no good: see here</refused>', "<out3/>"]
-    assert source.answers == [(None, "translate"), ("no good:\n see here", "translate"), (None, "translate")]
+    assert source.answers == [(None, "translate"), ("no good: see here", "translate"), (None, "translate")]
     assert told == ["error: line 2: no good: see here"]
     after, last, told = _Given(*sink.lines), _Kept(), []
-    assert Module("perform", lambda m, n: ["frame"], after, last, told.append, passes_refusals=False).run() == 2
-    assert last.lines == ["frame", "frame"]
+    assert Module("perform", lambda m, n: ["frame"], after, last, told.append, refusal_line=refusal_frame).run() == 2
+    assert last.lines == [
+        "frame",
+        '{"refused": "no good: see here", "module": "translate", "line": 2}',
+        "frame",
+    ]
     assert told == ["error: message 2 was refused before: by translate, line 2: no good: see here"]
 
 
@@ -193,3 +198,32 @@ def test_an_empty_stream_is_told() -> None:
     told: list[str] = []
     assert Module("speak", lambda m, n: [], _Given(), _Kept(), told.append).run() == 2
     assert told == ["error: nothing came in"]
+
+
+def test_a_message_keeps_its_number_when_it_is_sent_again() -> None:
+    numbers: list[int] = []
+    source = listener()
+
+    def work() -> None:
+        Module("perform", lambda m, n: numbers.append(n) or [], source, _Kept(), [].append).run()
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    with socket.create_connection(("127.0.0.1", source.port)) as connection:
+        connection.sendall(b"abcdef01:7 <m/>\nabcdef01:8 <m/>\n<end/>\n")
+        while connection.recv(100):
+            pass
+    thread.join(5)
+    assert numbers == [7, 8]
+
+
+def test_no_file_takes_the_place_of_another() -> None:
+    first = output_path("line.mp4", "1", "aa", ())
+    with pytest.raises(InputError, match=r"put \{id\} in the name"):
+        output_path("line.mp4", "2", "aa", {first})
+    second = output_path("line-{id}.mp4", "1", "aa", ())
+    with pytest.raises(InputError, match=r"put \{sender\} in the name"):
+        output_path("line-{id}.mp4", "1", "bb", {second})
+    assert output_path("line-{sender}-{id}.mp4", "1", "bb", {second}).name == "line-bb-1.mp4"
+    with pytest.raises(InputError, match="cannot be part of a file name"):
+        output_path("line-{id}.mp4", "../x", "aa", ())

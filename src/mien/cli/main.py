@@ -113,7 +113,7 @@ def _parser() -> argparse.ArgumentParser:
     live.add_command(commands)
     studio.add_command(commands)
 
-    modules.add_commands(commands)
+    modules.add_commands(commands, _checked_face)
     stimuli.add_commands(commands)
 
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -15,11 +16,11 @@ if TYPE_CHECKING:
 
 __all__ = ["add_commands"]
 
-Handler = "Callable[[Message, int], Outcome]"
+CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
 
 
-def add_commands(commands: Any) -> None:
-    """Add the four commands."""
+def add_commands(commands: Any, checked_face: CheckFace) -> None:
+    """Add the four commands; ``checked_face`` checks output and face of ``perform`` before anything comes in."""
     interpret = commands.add_parser("interpret", help="module 1: text with tags in, speech and commands at places out")
     interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
     _add_streams(interpret, _interpret)
@@ -31,25 +32,35 @@ def add_commands(commands: Any) -> None:
     translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
     _add_streams(translate, _translate)
     perform = commands.add_parser("perform", help="module 4: plays it; frames as JSON lines, or a file with -o")
-    perform.add_argument("-o", "--output", metavar="OUT", help="a file instead; {id} in it is the utterance's number")
+    perform.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        help="a file instead; {id} in it is the utterance's number, {sender} its stream's",
+    )
     perform.add_argument("--fps", default="30", help="frames per second (default 30)")
     perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
-    perform.add_argument("--face", default="default", help="the face to show (default: default)")
+    perform.add_argument("--face", help="with -o: the face to show (default: default)")
+    perform.add_argument("--deformer", metavar="NAME|X.tree", help="with -o: what moves the face, as for mien say")
     perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
-    perform.add_argument("--emotion", metavar="NAME[:0..1]", help="an emotion for every utterance as a whole")
+    perform.add_argument(
+        "--speech-model", choices=("coarticulation", "graph", "both"), help="what moves the mouth, as for mien say"
+    )
+    perform.add_argument(
+        "--emotion", metavar="NAME[:0..1]", action="append", help="for every utterance as a whole (repeatable)"
+    )
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
-    _add_streams(perform, _perform, sends=False)
+    _add_streams(perform, lambda options: _perform(options, checked_face))
 
 
-def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int], sends: bool = True) -> None:
+def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int]) -> None:
     parser.add_argument("--commands", metavar="FOLDER", action="append", default=[], help="command files of your own")
     parser.add_argument("--listen", metavar="[HOST:]PORT", help="read from whoever connects there, not standard input")
     parser.add_argument("--stay", action="store_true", help="with --listen: go on after a sender has ended")
-    if sends:
-        parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to the module there, not standard output")
-        parser.add_argument(
-            "--patience", type=float, default=30.0, help="seconds for which the next module may be away (default 30)"
-        )
+    parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to whoever listens there, not standard output")
+    parser.add_argument(
+        "--patience", type=float, default=30.0, help="seconds for which the next module may be away (default 30)"
+    )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
     parser.set_defaults(run=run)
 
@@ -63,16 +74,16 @@ def _library(options: argparse.Namespace) -> CommandLibrary:
 def _run(
     name: str, options: argparse.Namespace, library: CommandLibrary, handle: Any, source: Source | None = None
 ) -> int:
+    from mien.modules.handlers import refusal_frame
     from mien.modules.messages import Messages
-    from mien.modules.running import Module
+    from mien.modules.running import Module, refusal
     from mien.modules.transport import Listener, Sender, StandardInput, StandardOutput, parse_address
 
     def messages() -> Messages:
         return Messages(library.names, texts=name == "interpret")
 
     _check_streams(options)
-    connected = getattr(options, "connect", None)
-    address = parse_address(connected) if connected is not None else None
+    address = parse_address(options.connect) if options.connect is not None else None
     if source is None and options.listen is not None:
         source = listener = Listener(*parse_address(options.listen), messages, options.stay)
         if not options.quiet:
@@ -84,8 +95,9 @@ def _run(
     sink: Sink = StandardOutput()
     if address is not None:
         sink = Sender(*address, patience=options.patience)
-    passes = address is None and name != "perform"
-    return Module(name, handle, source, sink, passes_refusals=passes).run()
+    line = refusal_frame if name == "perform" else refusal
+    answered = address is not None or getattr(options, "output", None) is not None
+    return Module(name, handle, source, sink, refusal_line=None if answered else line).run()
 
 
 def _check_streams(options: argparse.Namespace) -> None:
@@ -149,30 +161,37 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
     return tell
 
 
-def _perform(options: argparse.Namespace) -> int:
+def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     from mien import api
+    from mien.errors import InputError
     from mien.modules.handlers import Perform
 
     library = _library(options)
     prosody = {} if options.prosody is None else {"prosody": options.prosody}
-    performer, score, rate = api.prepared(options.performer, options.emotion, options.fps, options.seed, **prosody)
-    save = None if options.output is None else _saver(options)
+    performer, score, rate = api.prepared(
+        options.performer, options.emotion, options.fps, options.seed, speech_model=options.speech_model, **prosody
+    )
+    if options.output is not None and options.connect is not None:
+        raise InputError("--output and --connect both say where the frames go: give one of them")
+    for name in ("face", "deformer"):
+        if options.output is None and getattr(options, name) is not None:
+            raise InputError(f"--{name} is for --output: frames are channels and show no face")
+    save = None if options.output is None else _saver(options, checked_face)
     return _run("perform", options, library, Perform(library, performer, rate, options.seed, score, save))
 
 
-def _saver(options: argparse.Namespace) -> Callable[[Animation, str], None]:
+def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[Animation, str, str], None]:
     from mien import api
-    from mien.face.library import load_face
     from mien.modules.handlers import output_path
-    from mien.output.registry import check_output
 
-    check_output(options.output.replace("{id}", "1"))
-    face, written = load_face(options.face), list[str]()
+    options.face, options.deformer, options.also = options.face or "default", options.deformer or "blendshapes", []
+    asked = argparse.Namespace(**vars(options) | {"output": str(output_path(options.output, "1", "1", ()))})
+    face, written = checked_face(asked, []), set[Path]()
 
-    def save(animation: Animation, name: str) -> None:
-        path = output_path(options.output, name, first=not written)
+    def save(animation: Animation, name: str, sender: str) -> None:
+        path = output_path(options.output, name, sender, written)
         _teller("perform", options)((*animation.notes, *api.save(animation, path, face=face)))
-        written.append(name)
+        written.add(path)
         if not options.quiet:
             seconds = animation.utterance.duration
             print(f"mien perform: {path}: {seconds:.2f} s at {animation.rate} frames/s", file=sys.stderr, flush=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -35,7 +35,7 @@ from mien.script.reading import read_script
 from mien.script.score import Score
 from mien.timeline import FrameRate
 
-__all__ = ["Interpret", "Perform", "Speak", "Translate", "frame_lines", "output_path", "silence_for"]
+__all__ = ["Interpret", "Perform", "Speak", "Translate", "frame_lines", "output_path", "refusal_frame", "silence_for"]
 
 Tell = Callable[[Iterable[Note]], None]
 
@@ -130,7 +130,7 @@ class Translate:
 
 
 class Perform:
-    """``directed`` to frames, or to a file; bare commands are performed over silence."""
+    """``directed`` to frames (all lines of an utterance are one message), or to a file; bare commands over silence."""
 
     def __init__(
         self,
@@ -139,7 +139,7 @@ class Perform:
         rate: FrameRate,
         seed: int,
         score: Score,
-        save: Callable[[Animation, str], None] | None,
+        save: Callable[[Animation, str, str], None] | None,
     ) -> None:
         self.library, self.performer, self.rate, self.seed = library, performer, rate, seed
         self.score, self.save = score, save
@@ -161,9 +161,9 @@ class Perform:
         self.performer.expression.check(Score(self.score.emotions + spoken.emotions))
         animation = perform_spoken(spoken, self.performer, self.rate, self.seed, self.score)
         if self.save is not None:
-            self.save(animation, name)
+            self.save(animation, name, message.sender)
         else:
-            yield from frame_lines(animation, name)
+            yield "\n".join(frame_lines(animation, name))
 
 
 def silence_for(curves: tuple[ParameterCurve, ...]) -> Spoken:
@@ -191,16 +191,32 @@ def frame_lines(animation: Animation, name: str) -> Iterator[str]:
     yield json.dumps({"end": name, "frames": len(track)})
 
 
-def output_path(pattern: str, name: str, first: bool) -> Path:
-    """The file for an utterance: ``{id}`` in the pattern stands for its id.
+def refusal_frame(module: str, line: int, reason: str) -> str:
+    """The JSON line that stands among frames in the place of an utterance that was refused."""
+    return json.dumps({"refused": " ".join(reason.split()), "module": module, "line": line}, ensure_ascii=False)
+
+
+def output_path(pattern: str, name: str, sender: str, written: Collection[Path]) -> Path:
+    """The file for an utterance: in the pattern, ``{id}`` stands for its id and ``{sender}`` for its sender's.
 
     Raises
     ------
     InputError
-        If there is a second utterance and no ``{id}``.
+        If it would overwrite one of those that were written for other utterances.
+
+    Examples
+    --------
+    >>> output_path("line-{id}.mp4", "3", "ab12cd34", ()).name
+    'line-3.mp4'
     """
-    if "{id}" not in pattern and not first:
-        raise InputError(f"a second utterance would overwrite {pattern}: put {{id}} in the name, as in line-{{id}}.mp4")
     if "{id}" in pattern and not all(char.isalnum() or char in "._-" for char in name):
         raise InputError(f"the id {name!r} cannot be part of a file name")
-    return Path(pattern.replace("{id}", name))
+    path = Path(pattern.replace("{id}", name).replace("{sender}", sender))
+    if path not in written:
+        return path
+    if "{id}" not in pattern:
+        raise InputError(f"a second utterance would overwrite {path}: put {{id}} in the name, as in line-{{id}}.mp4")
+    raise InputError(
+        f"another utterance with the id {name!r} would overwrite {path}: put {{sender}} in the name as well, "
+        "as in line-{sender}-{id}.mp4"
+    )

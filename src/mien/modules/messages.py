@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mien.errors import InputError
 from mien.script.tags import ROOTS
@@ -23,10 +23,11 @@ _LONE_OPEN = re.compile(r"""\s*<([A-Za-z_][\w.:-]*)(\s+[\w.:-]+\s*=\s*("[^"]*"|'
 
 @dataclass(frozen=True)
 class Message:
-    """A message's text and the line of the stream where it begins, from 1."""
+    """A message's text and the line of the stream where it begins, from 1; `sender` tells streams apart."""
 
     text: str
     line: int
+    sender: str = field(default="", repr=False, compare=False)
 
 
 class Messages:

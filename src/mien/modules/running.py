@@ -38,8 +38,9 @@ class Module:
     sink : Sink
     say : callable, optional
         Takes lines for the person who runs it; the default writes to standard error.
-    passes_refusals : bool
-        Whether the sink is a plain stream, on which a refusal travels in the place of the message.
+    refusal_line : callable or None
+        Makes the line that takes the place of a refused message, given module, line and reason; None where the sink
+        has answers of its own (TCP), or nobody reads it.
     """
 
     def __init__(
@@ -49,11 +50,11 @@ class Module:
         source: Source,
         sink: Sink,
         say: Callable[[str], None] | None = None,
-        passes_refusals: bool = True,
+        refusal_line: Callable[[str, int, str], str] | None = refusal,
     ) -> None:
         self.name, self.handle, self.source, self.sink = name, handle, source, sink
         self.say = say or (lambda line: print(f"mien {name}: {line}", file=sys.stderr, flush=True))
-        self.passes_refusals = passes_refusals
+        self.refusal_line = refusal_line
         self.refused = 0
         self.handled = 0
 
@@ -67,7 +68,7 @@ class Module:
         """
         for number, delivery in zip(count(1), self.source.deliveries(), strict=False):
             self.handled += 1
-            self._deal(delivery, number)
+            self._deal(delivery, delivery.number or number)
         self.sink.close()
         if not self.handled:
             self.say("error: nothing came in")
@@ -79,32 +80,30 @@ class Module:
             self.say(f"{note.kind}: {note.message}")
 
     def _deal(self, delivery: Delivery, number: int) -> None:
-        refused = _refused_before(delivery.message)
-        if refused is not None:
-            self.refused += 1
-            self.say(f"error: message {number} was refused before: {refused}")
-            if self.passes_refusals:
-                self._pass_on([delivery.message.text], delivery)
-            else:
-                delivery.answer(refused, self.name)
+        before = _refused_before(delivery.message)
+        if before is not None:
+            module, line, reason = before
+            self._refuse(delivery, f"message {number} was refused before: by {module}, line {line}: {reason}", before)
             return
         try:
             lines = list(self.handle(delivery.message, number))
         except MienError as problem:
-            self._refuse(delivery, str(problem))
+            line = delivery.message.line
+            reason = " ".join(str(problem).split())
+            self._refuse(delivery, f"line {line}: {reason}", (self.name, line, reason))
             return
         if lines:
             self._pass_on(lines, delivery)
         else:
             delivery.answer(None, self.name)
 
-    def _refuse(self, delivery: Delivery, reason: str) -> None:
+    def _refuse(self, delivery: Delivery, told: str, refused: tuple[str, int, str]) -> None:
+        module, _, reason = refused
         self.refused += 1
-        line = delivery.message.line
-        self.say(f"error: line {line}: {' '.join(reason.split())}")
-        delivery.answer(reason, self.name)
-        if self.passes_refusals:
-            self.sink.send(refusal(self.name, line, reason), delivery.identity, lambda *_: None)
+        self.say(f"error: {told}")
+        delivery.answer(reason, module)
+        if self.refusal_line is not None:
+            self.sink.send(self.refusal_line(*refused), delivery.identity, lambda *_: None)
 
     def _pass_on(self, lines: list[str], delivery: Delivery) -> None:
         answer = _Together(len(lines), self._answered(delivery))
@@ -141,13 +140,15 @@ class _Together:
             self.answer(*self.problem)
 
 
-def _refused_before(message: Message) -> str | None:
+def _refused_before(message: Message) -> tuple[str, int, str] | None:
+    """Module, line and reason, if the message stands in the place of a refused one."""
     if not message.text.lstrip().startswith("<refused"):
         return None
     try:
         element = element_of(message.text)
     except InputError:
         return None
-    return (
-        f"by {element.get('module')}, line {element.get('line')}: {element.text}" if element.tag == "refused" else None
-    )
+    if element.tag != "refused":
+        return None
+    line = element.get("line", "0")
+    return element.get("module", "a module"), int(line) if line.isdigit() else 0, element.text or "no reason given"

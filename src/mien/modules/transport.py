@@ -17,7 +17,7 @@ import time
 import uuid
 from collections import OrderedDict
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import IO, Protocol, TextIO
 from xml.sax.saxutils import escape, quoteattr
 
@@ -54,6 +54,12 @@ class Delivery:
     message: Message
     identity: str
     answer: Answer
+
+    @property
+    def number(self) -> int | None:
+        """Which message of its sender it is, from 1; the same when it is sent again. None without an identity."""
+        number = self.identity.partition(":")[2].partition(".")[0]
+        return int(number) if number else None
 
 
 class Source(Protocol):
@@ -92,6 +98,15 @@ def parse_address(text: str) -> tuple[str, int]:
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
+def _keep_alive(connection: socket.socket) -> None:
+    """Send at once, and notice a computer that vanished (cable, power) within about a minute."""
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in (("TCP_KEEPIDLE", 20), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 4), ("TCP_USER_TIMEOUT", 60_000)):
+        if hasattr(socket, name):  # not every system has each
+            connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+
+
 class StandardInput:
     """Messages from a stream of text lines."""
 
@@ -105,7 +120,7 @@ class StandardInput:
             found = self.messages.finish() if line is None else self.messages.take(line)
             for message in found:
                 number += 1
-                yield Delivery(message, f"{session}:{number}", lambda *_: None)
+                yield Delivery(replace(message, sender=session), f"{session}:{number}", lambda *_: None)
 
     def _lines(self) -> Iterator[str | None]:
         try:
@@ -163,7 +178,7 @@ class Listener:
         ended = False
         while not ended or self.stay:
             connection, _ = self.server.accept()
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            _keep_alive(connection)
             with self.lock:
                 self.connection = connection
             ended = yield from self._of(connection)
@@ -204,7 +219,8 @@ class Listener:
                 while len(self.answers) > _REMEMBERED:
                     self.answers.popitem(last=False)
         if not known:
-            yield Delivery(message, identity, lambda reason, module: self._answer(identity, reason, module))
+            sent = replace(message, sender=identity.partition(":")[0])
+            yield Delivery(sent, identity, lambda reason, module: self._answer(identity, reason, module))
         elif answered is not None:  # dealt with before; the answer was lost on its way
             self._tell(identity, *answered)
 
@@ -335,7 +351,7 @@ class Sender:
                 time.sleep(_RETRY)
                 continue
             connection.settimeout(None)
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            _keep_alive(connection)
             with self.changed:
                 self.connection = connection
                 for identity, (text, _) in list(self.waiting.items()):
