@@ -40,7 +40,8 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     )
     perform.add_argument("--fps", default="30", help="frames per second (default 30)")
     perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
-    perform.add_argument("--face", help="with -o: the face to show (default: default)")
+    perform.add_argument("--face", metavar="NAME|FILE", help="with -o: the face to show, as for mien say")
+    perform.add_argument("--names", metavar="X.toml", help="with -o: names of a face of your own, as for mien say")
     perform.add_argument("--deformer", metavar="NAME|X.tree", help="with -o: what moves the face, as for mien say")
     perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
     perform.add_argument(
@@ -49,6 +50,7 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     perform.add_argument(
         "--emotion", metavar="NAME[:0..1]", action="append", help="for every utterance as a whole (repeatable)"
     )
+    perform.add_argument("--edits", metavar="X.json", help="edits by hand, laid on every utterance (docs/edits.md)")
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
     _add_streams(perform, lambda options: _perform(options, checked_face))
 
@@ -163,6 +165,7 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
 
 def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     from mien import api
+    from mien.edits import EMPTY, read_layer
     from mien.errors import InputError
     from mien.modules.handlers import Perform
 
@@ -173,11 +176,13 @@ def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     )
     if options.output is not None and options.connect is not None:
         raise InputError("--output and --connect both say where the frames go: give one of them")
-    for name in ("face", "deformer"):
+    for name in ("face", "deformer", "names"):
         if options.output is None and getattr(options, name) is not None:
             raise InputError(f"--{name} is for --output: frames are channels and show no face")
     save = None if options.output is None else _saver(options, checked_face)
-    return _run("perform", options, library, Perform(library, performer, rate, options.seed, score, save))
+    edits = EMPTY if options.edits is None else read_layer(options.edits)
+    handle = Perform(library, performer, rate, options.seed, score, save, edits)
+    return _run("perform", options, library, handle)
 
 
 def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[Animation, str, str], None]:
@@ -186,7 +191,7 @@ def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[An
 
     options.face, options.deformer, options.also = options.face or "default", options.deformer or "blendshapes", []
     asked = argparse.Namespace(**vars(options) | {"output": str(output_path(options.output, "1", "1", ()))})
-    face, written = checked_face(asked, []), set[Path]()
+    face, written = checked_face(asked, [options.edits]), set[Path]()
 
     def save(animation: Animation, name: str, sender: str) -> None:
         path = output_path(options.output, name, sender, written)

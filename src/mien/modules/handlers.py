@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from mien.animation import Animation
+from mien.edits import EMPTY, EditLayer
 from mien.errors import InputError, Note, unknown_name
 from mien.models.performer import Performer
 from mien.modules.messages import Message
@@ -140,9 +141,10 @@ class Perform:
         seed: int,
         score: Score,
         save: Callable[[Animation, str, str], None] | None,
+        edits: EditLayer = EMPTY,
     ) -> None:
         self.library, self.performer, self.rate, self.seed = library, performer, rate, seed
-        self.score, self.save = score, save
+        self.score, self.save, self.edits = score, save, edits
 
     def __call__(self, message: Message, number: int) -> Iterator[str]:
         """Lines for one message."""
@@ -159,7 +161,7 @@ class Perform:
         else:
             spoken = silence_for(self.library.translate(read_command(element, self.library)).curves)
         self.performer.expression.check(Score(self.score.emotions + spoken.emotions))
-        animation = perform_spoken(spoken, self.performer, self.rate, self.seed, self.score)
+        animation = perform_spoken(spoken, self.performer, self.rate, self.seed, self.score, self.edits)
         if self.save is not None:
             self.save(animation, name, message.sender)
         else:
