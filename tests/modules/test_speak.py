@@ -182,3 +182,24 @@ def test_prosody_in_a_script_moves_words_and_commands() -> None:
     said = spoken('That <prosody rate="50%">is</prosody> <HeadNod/> true.')
     assert said.commands[0].given["at"] == "900"
     assert [word.label for word in said.utterance.words] == ["that", "is", "true"]
+
+
+@pytest.mark.parametrize(
+    ("text", "times"),
+    [
+        ("<pause ms='600'/><HeadNod/><pause ms='400'/>", [600]),
+        ("<Blink/><pause ms='300'/><Blink/><pause ms='300'/><Blink/>", [0, 300, 600]),
+        ("ah <pause ms='500'/> <Blink/> <pause ms='300'/> <Blink/> ah", [800, 1100]),
+        ("ah <pause ms='500'/> <Blink/>", [800]),
+    ],
+)
+@pytest.mark.usefixtures("toy_voice")
+def test_a_command_between_pauses_comes_after_those_before_it(text: str, times: list[float]) -> None:
+    assert [float(command.given["at"]) for command in speak(read_script(text)).commands] == pytest.approx(times)
+
+
+def test_an_emotion_over_silence_lasts_as_long_as_its_pauses() -> None:
+    text = "<pause ms='500'/><emotion name='sad'><pause ms='1900'/></emotion><pause ms='100'/>"
+    spoken = speak(read_script(text))
+    assert spoken.utterance.duration == pytest.approx(2.5)
+    assert [(span.name, span.start, span.end) for span in spoken.emotions] == [("sad", 0.5, 2.4)]

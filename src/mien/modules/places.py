@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from mien.errors import InputError
 from mien.modules.joining import Joined
-from mien.script.document import Point
+from mien.script.document import Point, Segment
 from mien.speech.utterance import PAUSE
 from mien.timeline import Interval
 
@@ -20,9 +20,12 @@ class Clock:
     ----------
     joined : Joined
     points : sequence of Point
+    segments : sequence of Segment
+        Their pauses tell when a point that no word follows is reached.
     """
 
-    def __init__(self, joined: Joined, points: Sequence[Point]) -> None:
+    def __init__(self, joined: Joined, points: Sequence[Point], segments: Sequence[Segment] = ()) -> None:
+        self.segments = segments
         self.words = joined.utterance.words.intervals
         self.phones = joined.utterance.phones.intervals
         self.duration = joined.utterance.duration
@@ -61,7 +64,13 @@ class Clock:
         same = before < len(self.places) and self.places[before].segment == point.segment
         if not point.after and same:
             return self.words[before].start, before
-        return (self.words[before - 1].end if before else 0.0), before
+        return self._after_pauses(point, before), before
+
+    def _after_pauses(self, point: Point, before: int) -> float:
+        """Seconds of a point that no word follows in its segment: after the last word, and the pauses since."""
+        last, segment = (self.words[before - 1].end, self.places[before - 1].segment) if before else (0.0, -1)
+        pauses = sum(item.silence or 0.0 for item in self.segments[segment + 1 : point.segment])
+        return min(last + pauses / 1000, max(last, self.duration))
 
     def _selected(self, parts: list[str], following: int, reference: str) -> float:
         end = len(parts) > 1 and parts[-1] == "end"

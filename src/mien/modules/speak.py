@@ -211,7 +211,7 @@ def place(script: Script, joined: Joined, library: CommandLibrary | None = None)
         If a place is not in the text, or a time lies outside the sound; with file and line.
     """
     library = library or shipped_library()
-    clock = Clock(joined, script.points)
+    clock = Clock(joined, script.points, script.segments)
     notes: list[Note] = []
     commands = tuple(
         _at(item.command.where, partial(_command, item, clock, library, notes)) for item in script.commands

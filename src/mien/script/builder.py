@@ -27,6 +27,9 @@ __all__ = ["SILENT", "Builder", "Element", "OpenEmotion", "Opened"]
 SILENT = ("metadata", "meta", "lexicon", "lookup", "desc")
 """Elements whose text is not spoken."""
 
+PLACED = ("emotion", "gaze", "mark", "curve", "pose")
+"""Elements, besides commands, that have a place between pauses."""
+
 
 @dataclass
 class Opened:
@@ -135,6 +138,7 @@ class Builder:
     def _open(self, event: Event) -> None:
         if self.opened and self.opened[-1].event.text == "curve" and event.text != "key":
             raise self.fault(f"<curve> holds <key at= value=/> and nothing else, not <{event.text}>")
+        self._end_pause(event.text)
         self.opened.append(Opened(event, lambda: None, text_at=len(self.text), segment_at=len(self.segments)))
         if any(item.event.text in SILENT for item in self.opened[:-1]):
             return
@@ -159,6 +163,8 @@ class Builder:
                     f"and <{item.event.text}> of line {item.event.line} is open"
                 )
             self.opened.pop()
+        if not self.opened[-1].event.empty:
+            self._end_pause(name)
         item = self.opened.pop()
         try:
             item.close()
@@ -187,6 +193,11 @@ class Builder:
             self.text, self.silence, self.spellings = "", None, []
         elif self.text:  # blanks only: points in it would dangle
             self.text = ""
+
+    def _end_pause(self, element: str) -> None:
+        """A pause before a place is a segment of its own, so that the place lies after it, whatever follows."""
+        if self.silence is not None and not self.text.strip() and (element in PLACED or element in self.library):
+            self.end_segment()
 
     def point(self, after: bool = False, name: str | None = None) -> Moment:
         """Name the place where the text stands now."""
