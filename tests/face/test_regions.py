@@ -96,7 +96,7 @@ def test_a_face_by_regions_follows_the_channels() -> None:
 
 
 def test_faces_without_sites_and_wrong_numbers_of_markers_are_refused(deformer: RegionDeformer) -> None:
-    with pytest.raises(InputError, match="lie off its skin"):
+    with pytest.raises(InputError, match="lies elsewhere than on a face"):
         RegionDeformer(tiny_face())
     with pytest.raises(InputError, match=r"expected \(208 markers, 3 coordinates\), got \(3, 3\)"):
         deformer.offsets(np.zeros((3, 3)))

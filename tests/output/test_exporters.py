@@ -29,14 +29,21 @@ def face():
 
 @every_exporter
 def test_writes_the_same_bytes_twice(exporter, animation, face, tmp_path):
-    first, second = tmp_path / f"one{exporter.suffix}", tmp_path / f"two{exporter.suffix.upper()}"
+    first, second = tmp_path / "1" / f"a{exporter.suffix}", tmp_path / "2" / f"a{exporter.suffix.upper()}"
     for path in (first, second):
+        path.parent.mkdir()
         notes = save(animation, path, face=face)
         assert isinstance(notes, tuple)
         assert all(isinstance(note, Note) for note in notes)
     assert first.stat().st_size > 100
     assert first.read_bytes() == second.read_bytes()
-    assert sorted(tmp_path.iterdir()) == [first, second]
+    for path in (first, second):
+        assert sorted(path.parent.iterdir()) == sorted([path, *beside(exporter, path)])
+
+
+def beside(exporter, path):
+    """The folder that a format keeps beside its file."""
+    return [exporter.companion(path)] if exporter.companion else []
 
 
 @every_exporter
@@ -47,7 +54,7 @@ def test_name_in_any_script_and_overwriting(exporter, animation, face, tmp_path)
     path.write_text("old")
     save(animation, path, face=face)
     assert path.read_bytes() != b"old"
-    assert [entry.name for entry in folder.iterdir()] == [path.name]
+    assert sorted(folder.iterdir()) == sorted([path, *beside(exporter, path)])
 
 
 @every_exporter
@@ -96,15 +103,15 @@ def test_unknown_suffix():
     with pytest.raises(InputError, match=r"did you mean '.TextGrid'"):
         check_output("a.textgird")
     with pytest.raises(
-        InputError, match=r"end its name in one of .mp4, .png, .glb, .csv, .fap, .TextGrid, .wav, .json"
+        InputError,
+        match=r"end its name in one of .mp4, .png, .glb, .usdz, .usdc, .usda, .c3d, .csv, .fap, .TextGrid, .wav, .json",
     ):
         check_output("a")
 
 
 def test_importing_the_registry_is_light():
     """No renderer, codec or numerics library is loaded just to know the formats."""
-    code = (
-        "import sys, mien.output; print([m for m in ('numba', 'scipy', 'av', 'PIL', 'soundfile') if m in sys.modules])"
-    )
+    heavy = ("numba", "scipy", "av", "PIL", "soundfile", "pxr", "ezc3d")
+    code = f"import sys, mien.output; print([m for m in {heavy} if m in sys.modules])"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"

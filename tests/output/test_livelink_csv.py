@@ -68,13 +68,23 @@ def test_eyes_up_and_down(tmp_path):
 @pytest.mark.parametrize("fps", [25, 30, 60, 24])
 def test_round_trip(tmp_path, fps):
     animation = tiny_animation(3 * fps, FrameRate.of(fps))
-    (note,) = write_livelink(animation, tmp_path / "a.csv")
-    assert "cannot hold browInnerUpLeft" in note.message
+    evened, dropped = write_livelink(animation, tmp_path / "a.csv")
+    assert "one channel for both inner brows" in evened.message
+    assert "cannot hold noseFlareLeft" in dropped.message
     again = read_livelink(tmp_path / "a.csv")
     expected = animation.channels.select(ARKIT + HEAD)
     assert again.names == expected.names
     assert again.rate == expected.rate
-    assert np.abs(again.values - expected.values).max() < 1e-6
+    kept = [column for column, name in enumerate(expected.names) if name != "browInnerUp"]
+    assert np.abs(again.values - expected.values)[:, kept].max() < 1e-6
+
+
+def test_the_inner_brows_fold_into_arkits_one(tmp_path):
+    (apart,) = write_livelink(posed(browInnerUp=0.2, browInnerUpLeft=0.6), tmp_path / "a.csv")
+    assert "sides up to 0.60 apart" in apart.message
+    assert float(rows_of(tmp_path / "a.csv")[0]["BrowInnerUp"]) == pytest.approx(0.5, abs=1e-8)
+    assert write_livelink(posed(browInnerUpLeft=1.0, browInnerUpRight=1.0), tmp_path / "b.csv") == ()
+    assert float(rows_of(tmp_path / "b.csv")[0]["BrowInnerUp"]) == 1.0
 
 
 def test_fractional_rate_is_said(tmp_path):

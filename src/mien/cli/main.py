@@ -127,7 +127,8 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         required=True,
-        help="file to write; its suffix picks the format: .mp4 .glb .png .csv .fap .TextGrid .wav .json",
+        help="file to write; its suffix picks the format: .mp4 .glb .usdz .usdc .usda .png .c3d .csv .fap .TextGrid "
+        ".wav .json",
     )
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")

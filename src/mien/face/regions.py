@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.errors import InputError
 from mien.face.face import Face, Part, Target
+from mien.face.marker_sites import along_skin, load_marker_places, place_markers, skin_of
 
 __all__ = ["MarkerSites", "RegionDeformer", "face_by_regions", "interpolation_matrix", "sites_of_layout"]
 
@@ -36,7 +37,6 @@ Ints = NDArray[np.int64]
 SOFTNESS = 8.0
 """mm, ``c`` of the basis function: rounds it off at the markers, so that a marker pulls no spike."""
 _ANCHORS = 48  # resting points among the skin that no marker reaches
-_FITS = 12.0  # mm: a layout's places farther than this from a face's skin belong to another face
 _SMALLEST = 5e-3  # mm
 _IRISES = range(468, 478)  # landmarks on the eyeballs, which turn rigidly
 # Parts that lie on the skin and go with it.
@@ -83,63 +83,31 @@ def _asset(folder: str, name: str) -> dict[str, Any]:
     return tomllib.loads(files("mien").joinpath("assets", folder, name).read_text(encoding="utf-8"))
 
 
-def sites_of_layout(face: Face, layout: str = "mediapipe-218", part: str = "skin") -> MarkerSites:
-    """The sites of a layout's markers on a face on which its places fit (the default face).
+def sites_of_layout(face: Face, layout: str = "mediapipe-218") -> MarkerSites:
+    """The sites of a layout's markers on a face (`mien.face.marker_sites` says how they are found), by region.
 
     Raises
     ------
     InputError
-        If the face has no such part, or its skin lies elsewhere than the layout's places.
+        If the markers cannot be put on the face.
     """
     table, chart = _asset("markers", f"{layout}.toml")["markers"], _asset("regions", "mediapipe-218.toml")
-    skin = next((p for p in face.parts if p.name == part), None)
-    if skin is None:
-        raise InputError(f"face {face.name!r} has no part {part!r} for markers to sit on")
-    places = np.array([entry["place"] for entry in table.values()])
-    from scipy.spatial import cKDTree
-
-    away, vertices = cKDTree(skin.vertices).query(places)
-    used = [number for number, entry in enumerate(table.values()) if entry["landmark"] not in _IRISES]
-    off = [name for number, name in enumerate(table) if number in used and away[number] > _FITS]
-    if off:
-        raise InputError(
-            f"face {face.name!r}: the places of {len(off)} markers ({', '.join(off[:3])}...) lie off its skin; "
-            "regions need sites of markers on this face"
-        )
-    entries = [list(table.values())[number] for number in used]
-    regions = {name: _members(name, entries, chart) for name in chart["region"]}
-    _keep_to_own_lip(skin, places, vertices, [entry["landmark"] for entry in table.values()], chart["lips"])
+    names = [name for name, entry in table.items() if entry["landmark"] not in _IRISES]
+    placed, entries = place_markers(face, load_marker_places(layout), names), [table[name] for name in names]
+    skin = skin_of(face).name
+    homeless = [name for name, (part, _) in zip(names, placed.sites, strict=True) if part != skin]
+    if homeless:
+        raise InputError(f"face {face.name!r}: markers {', '.join(homeless[:3])} do not sit on part {skin!r}")
     low, high = chart["reach"]
     return MarkerSites(
-        tuple(list(table)[number] for number in used),
-        part,
-        vertices[used].astype(np.int64),
-        regions,
+        tuple(names),
+        skin,
+        np.array([vertex for _, vertex in placed.sites], dtype=np.int64),
+        {name: _members(name, entries, chart) for name in chart["region"]},
         {name: tuple(facts["without"]) for name, facts in chart["region"].items()},
-        {name: float(facts["border"]) for name, facts in chart["region"].items()},
-        (float(low), float(high)),
+        {name: float(facts["border"]) * placed.scale for name, facts in chart["region"].items()},
+        (float(low) * placed.scale, float(high) * placed.scale),
     )
-
-
-def _keep_to_own_lip(
-    skin: Part,
-    places: Floats,
-    vertices: Ints,
-    landmarks: Sequence[int],
-    lips: Mapping[str, Mapping[str, Sequence[int]]],
-) -> None:
-    """Move sites that landed on the other lip to the nearest vertex of their own; changes ``vertices``."""
-    row = {landmark: number for number, landmark in enumerate(landmarks)}
-    sure = {lip: [vertices[row[mark]] for mark in facts["sure"] if mark in row] for lip, facts in lips.items()}
-    if not all(sure.values()):
-        return
-    distance = {lip: _along_skin(skin, np.array(seeds, dtype=np.int64)) for lip, seeds in sure.items()}
-    for lip, other in (("upper", "lower"), ("lower", "upper")):
-        own = np.flatnonzero(distance[lip] < distance[other])
-        for mark in lips[lip]["all"]:
-            if mark in row:
-                away = np.linalg.norm(skin.vertices[own] - places[row[mark]], axis=1)
-                vertices[row[mark]] = own[np.argmin(away)]
 
 
 def _members(region: str, entries: Sequence[Mapping[str, Any]], chart: Mapping[str, Any]) -> tuple[int, ...]:
@@ -192,7 +160,7 @@ class RegionDeformer:
     ----------
     face : Face
     sites : MarkerSites or None
-        None takes those of the layout ``mediapipe-218``, which fit the default face.
+        None takes those of the layout ``mediapipe-218`` (`sites_of_layout`).
 
     Attributes
     ----------
@@ -236,9 +204,7 @@ class RegionDeformer:
         """Along the skin from the nearest marker of each region, shape (regions, vertices), mm."""
         return np.array(
             [
-                _along_skin(skin, self.sites.vertices[list(numbers)])
-                if numbers
-                else np.full(len(skin.vertices), np.inf)
+                along_skin(skin, self.sites.vertices[list(numbers)]) if numbers else np.full(len(skin.vertices), np.inf)
                 for numbers in self.sites.regions.values()
             ]
         )
@@ -285,24 +251,6 @@ def _apart(places: Floats, numbers: Ints) -> tuple[Floats, Ints]:
     _, first = np.unique(places.round(3), axis=0, return_index=True)
     first.sort()
     return places[first], numbers[first]
-
-
-def _along_skin(part: Part, seeds: Ints) -> Floats:
-    """Distance along the edges from the nearest seed, shape (vertices,), mm; seams of the texture are closed."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import dijkstra
-
-    from mien.face.posing import welded_vertices
-
-    welded = welded_vertices(part)
-    sides = np.vstack([welded[part.triangles[:, [k, (k + 1) % 3]]] for k in range(3)])
-    sides = np.unique(np.sort(sides, axis=1), axis=0)
-    sides = sides[sides[:, 0] != sides[:, 1]]
-    length = np.linalg.norm(part.vertices[sides[:, 0]] - part.vertices[sides[:, 1]], axis=1) + 1e-9
-    n = len(part.vertices)
-    graph = csr_matrix((length, (sides[:, 0], sides[:, 1])), (n, n))
-    found = dijkstra(graph, directed=False, indices=np.unique(welded[seeds]), min_only=True)
-    return np.asarray(found[welded], dtype=np.float64)
 
 
 def face_by_regions(face: Face, sites: MarkerSites | None = None) -> Face:

@@ -21,11 +21,12 @@ from mien.corpus.layouts import load_layout
 from mien.corpus.take import Take
 from mien.errors import InputError
 from mien.face.face import Face
+from mien.face.marker_sites import place_markers
 from mien.face.parameter_tree import Parameter, ParameterTree
 from mien.face.regions import RegionDeformer, sites_of_layout
 from mien.face.retargeting import Retargeter, basis_at
 from mien.face.tree_of_face import translations_of, tree_of_face
-from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
+from mien.models.learned_mouth import NOT_BY_MARKERS
 from mien.models.recorded_mouths import only_mouth, recorded_mouths
 
 __all__ = [
@@ -211,9 +212,9 @@ def held_out_errors(model: ArticulatoryModel, positions: Floats, learned_from: F
 def _laid_on(model: ArticulatoryModel, face: Face) -> tuple[Floats, tuple[tuple[str, int], ...]]:
     """Linear map (3, 3) from the speaker's millimetres to the face's, and the markers' sites."""
     layout = load_layout(model.layout_)
-    places = layout.places[[layout.markers.index(name) for name in model.markers_]]
-    linear = best_similarity(model.mean_, places, np.ones(len(places)), scale=True)[:3, :3]
-    return np.asarray(linear, dtype=np.float64), nearest_sites(face, places)
+    placed = place_markers(face, layout, model.markers_)
+    linear = best_similarity(model.mean_, placed.places, np.ones(len(placed.sites)), scale=True)[:3, :3]
+    return np.asarray(linear, dtype=np.float64), placed.sites
 
 
 def articulatory_tree(model: ArticulatoryModel, face: Face, directions: int = 3) -> ParameterTree:

@@ -20,7 +20,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from mien import channels
 from mien.corpus.cleaning.normalise import best_similarity
@@ -28,7 +27,8 @@ from mien.corpus.layouts import load_layout
 from mien.errors import InputError
 from mien.face.face import Face
 from mien.face.library import load_face
-from mien.face.retargeting import Retargeter, Site
+from mien.face.marker_sites import place_markers
+from mien.face.retargeting import Retargeter
 from mien.models.articulation import articulation_table, parts_of
 from mien.models.authored_mouth import AuthoredMouth, MouthMotion
 from mien.models.influence import influence_of
@@ -38,7 +38,7 @@ from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import FrameRate, Interval, Tier
 from mien.tracks import MarkerTrack
 
-__all__ = ["CLARITY", "KEY_SHAPE_SHARE", "LearnedMouth", "nearest_sites"]
+__all__ = ["CLARITY", "KEY_SHAPE_SHARE", "LearnedMouth"]
 
 Floats = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class LearnedMouth:
     ----------
     learned : LearnedSpeech
     face : Face or None
-        None takes the default face, on which the layouts' markers are placed.
+        None takes the default face. On another one the markers are placed by `mien.face.marker_sites`.
     key_shape_share : float
         0: the speaker's marker motion alone; 1: the face's key shapes under the speaker's influence curves alone.
 
@@ -99,10 +99,10 @@ class LearnedMouth:
                 f"performer {learned.name!r}: {', '.join(homeless[:5])} have no place in layout {layout.name!r}"
             )
         face = face or load_face("default")
-        places = layout.places[[layout.markers.index(name) for name in markers]]
+        placed = place_markers(face, layout, markers)
         self.rest = self._resting()
-        self._to_face = best_similarity(self.rest, places, np.ones(len(places)), scale=True)[:3, :3]
-        self._retargeter = Retargeter(face, nearest_sites(face, places), _sought_channels())
+        self._to_face = best_similarity(self.rest, placed.places, np.ones(len(markers)), scale=True)[:3, :3]
+        self._retargeter = Retargeter(face, placed.sites, _sought_channels())
 
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels, lip seal and marker motion for every frame that covers the sound."""
@@ -177,10 +177,3 @@ class LearnedMouth:
 
 def _sought_channels() -> tuple[str, ...]:
     return tuple(name for name in channels.MOUTH if name not in NOT_BY_MARKERS)
-
-
-def nearest_sites(face: Face, places: Floats) -> tuple[Site, ...]:
-    """The vertex of the skin nearest to each place, shape (places, 3), mm."""
-    skin = face.part("skin")
-    _, vertices = cKDTree(skin.vertices).query(places)
-    return tuple((skin.name, int(vertex)) for vertex in vertices)

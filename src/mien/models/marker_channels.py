@@ -12,8 +12,9 @@ from mien.corpus.cleaning.normalise import best_similarity
 from mien.corpus.layouts import load_layout
 from mien.face.face import Face
 from mien.face.library import load_face
+from mien.face.marker_sites import place_markers
 from mien.face.retargeting import Retargeter, basis_at
-from mien.models.learned_mouth import NOT_BY_MARKERS, nearest_sites
+from mien.models.learned_mouth import NOT_BY_MARKERS
 
 __all__ = ["MarkerChannels"]
 
@@ -37,10 +38,10 @@ class MarkerChannels:
 
     def __init__(self, layout: str, markers: Sequence[str], rest: Floats, face: Face | None = None) -> None:
         face, known = face or load_face("default"), load_layout(layout)
-        places = known.places[known.index(markers)]
-        self.rest = rest
-        self.turn = best_similarity(rest, places, np.ones(len(places)), scale=True)[:3, :3]
-        sites = nearest_sites(face, places)
+        known.index(markers)  # names that the layout lacks are told
+        placed = place_markers(face, known, markers)
+        self.rest, sites = rest, placed.sites
+        self.turn = best_similarity(rest, placed.places, np.ones(len(sites)), scale=True)[:3, :3]
         sought = [name for name in channels.ARKIT if name not in NOT_BY_MARKERS and not name.startswith("eyeLook")]
         moved = {name for name in sought if any(name in part.targets for part in face.parts)}
         self.retargeter = Retargeter(face, sites, [name for name in sought if name in moved])

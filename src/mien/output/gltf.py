@@ -29,19 +29,16 @@ from numpy.typing import NDArray
 from mien.animation import Animation
 from mien.channels import ARKIT, HEAD, MUSCLES, TONGUE
 from mien.errors import InputError, Note
-from mien.face.deformers import lost_by_targets
 from mien.face.face import Eye, Face, Material, Part
-from mien.face.posing import Poser, eye_rotation, head_rotation
+from mien.face.posing import eye_rotation, head_rotation
 from mien.files import replace_when_complete
+from mien.output.face_motion import TargetNormals, linear_light, lost_tree, playing_facts, quaternions
 from mien.output.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
 
 __all__ = ["write_glb"]
 
 _METRES = 1e-3
 _JPEG_QUALITY = 92
-# A target's change of a unit normal below this is left out: a third of a degree, half of what 8-bit shading shows.
-_LEAST_NORMAL_CHANGE = 0.006
-_SAMPLED = 40  # frames on which the loss of a parameter tree is measured
 _LOOKS = ("Up", "Down", "In", "Out")
 
 Floats = NDArray[np.float32]
@@ -68,18 +65,7 @@ def write_glb(animation: Animation, face: Face, path: str | Path) -> tuple[Note,
     content = _Builder(face).build(animation)
     with replace_when_complete(path) as unfinished:
         unfinished.write_bytes(content)
-    return _lost_tree(animation, face)
-
-
-def _lost_tree(animation: Animation, face: Face) -> tuple[Note, ...]:
-    """What the file loses of a face that moves by a parameter tree: measured on a sample of the frames."""
-    if face.tree is None:
-        return ()
-    track = animation.channels
-    sample = track.values[:: max(1, len(track) // _SAMPLED)]
-    worst = lost_by_targets(face, track.names, sample)
-    told = "a GLB moves targets on straight lines where the parameter tree turns them about axes"
-    return (Note("note", f"{told}: up to {worst:.1f} mm apart in this animation"),)
+    return lost_tree(animation, face, "a GLB")
 
 
 class _Builder:
@@ -95,7 +81,7 @@ class _Builder:
         self.nodes: list[dict[str, Any]] = []
         self._material_numbers: dict[int, int] = {}
         self._texture_numbers: dict[bytes, int] = {}
-        self._normals = _Normals(face)
+        self._normals = TargetNormals(face)
 
     def build(self, animation: Animation) -> bytes:
         eyes = [(eye, self._add_eye(eye)) for eye in self.face.eyes]
@@ -106,7 +92,7 @@ class _Builder:
         root = self._add_node(name="mien", children=[trunk])
         meshes = self._add_skinned_meshes()
         motion = self._animation(animation, head, eyes, meshes)
-        extras = {"mien": _facts(animation)}
+        extras = {"mien": playing_facts(animation)}
         document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": f"mien {animation.provenance.version}", "extras": extras},
             "scene": 0,
@@ -174,7 +160,7 @@ class _Builder:
         if part.material.texture is not None:
             attributes["TEXCOORD_0"] = self.buffer.add(part.uv.astype(np.float32), ARRAY_BUFFER)
         if not np.all(part.colours == 1.0):
-            linear = np.hstack([_linear(part.colours), np.ones((len(part.colours), 1))])
+            linear = np.hstack([linear_light(part.colours), np.ones((len(part.colours), 1))])
             colours = np.round(linear * 65_535).astype(np.uint16)
             attributes["COLOR_0"] = self.buffer.add(colours, ARRAY_BUFFER, normalized=True)
         return {
@@ -209,7 +195,7 @@ class _Builder:
     def _material(self, material: Material) -> int:
         if id(material) not in self._material_numbers:
             surface: dict[str, Any] = {
-                "baseColorFactor": [*_linear(np.array(material.colour)).tolist(), 1.0],
+                "baseColorFactor": [*linear_light(np.array(material.colour)).tolist(), 1.0],
                 "metallicFactor": 0.0,
                 "roughnessFactor": float(material.roughness),
             }
@@ -249,10 +235,10 @@ class _Builder:
             (node, "weights", track.select(targets).values.reshape(-1)) for node, targets in meshes
         ]
         turns = [head_rotation(*angles) for angles in track.select(HEAD).values]
-        tracks.append((head, "rotation", _quaternions(turns)))
+        tracks.append((head, "rotation", quaternions(turns)))
         for eye, node in eyes:
             looks = track.select([f"eyeLook{way}{eye.side}" for way in _LOOKS]).values
-            tracks.append((node, "rotation", _quaternions([eye_rotation(eye, *row) for row in looks])))
+            tracks.append((node, "rotation", quaternions([eye_rotation(eye, *row) for row in looks])))
         samplers: list[dict[str, Any]] = []
         channels: list[dict[str, Any]] = []
         for node, path, values in tracks:
@@ -262,61 +248,5 @@ class _Builder:
         return {"name": "performance", "channels": channels, "samplers": samplers}
 
 
-class _Normals:
-    """Unit normals of every part at rest, and what each morph target does to them."""
-
-    def __init__(self, face: Face) -> None:
-        self._names = tuple(sorted({name for part in face.parts for name in part.targets}))
-        self._poser = Poser(face, self._names)
-        self._place = {part.name: number for number, part in enumerate(face.parts)}
-        self._rest = self._poser.pose(np.zeros(len(self._names)))
-        self._changes: dict[str, list[Floats]] = {}
-
-    def at_rest(self, part: Part) -> Floats:
-        return self._rest.parts[self._place[part.name]].normals
-
-    def change(self, part: Part, name: str) -> Floats:
-        """What the target adds to the normals at weight 1, shape (vertices, 3)."""
-        if name not in self._changes:
-            posed = self._poser.pose([float(other == name) for other in self._names])
-            changes = [now.normals - rest.normals for now, rest in zip(posed.parts, self._rest.parts, strict=True)]
-            for change in changes:
-                change[np.linalg.norm(change, axis=1) < _LEAST_NORMAL_CHANGE] = 0.0
-            self._changes[name] = changes
-        return self._changes[name][self._place[part.name]]
-
-
 def _metres(point: Sequence[float] | NDArray[Any]) -> list[float]:
     return [float(number) * _METRES for number in point]
-
-
-def _linear(srgb: NDArray[Any]) -> NDArray[np.float64]:
-    """Linear light from sRGB values, both 0..1 (IEC 61966-2-1); glTF keeps factors and vertex colours linear."""
-    srgb = np.clip(np.asarray(srgb, dtype=np.float64), 0.0, 1.0)
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-
-
-def _quaternions(matrices: Sequence[NDArray[np.float64]]) -> Floats:
-    """Unit quaternions x, y, z, w, each on the side of the one before it, so that linear keys take the short way."""
-    from scipy.spatial.transform import Rotation
-
-    turns = np.asarray(Rotation.from_matrix(np.array(matrices)).as_quat())
-    flips = np.cumprod(np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0, -1.0, 1.0))
-    turns[1:] *= flips[:, None]
-    return turns.astype(np.float32)
-
-
-def _facts(animation: Animation) -> dict[str, Any]:
-    """What a player needs to lay the sound under the motion, and who made it."""
-    speech = animation.utterance
-    return {
-        "audioStartSeconds": 0.0,
-        "audioDurationSeconds": speech.duration,
-        "fps": animation.rate.fps,
-        "text": speech.text,
-        "language": speech.language,
-        "words": [{"start": float(word.start), "end": float(word.end), "label": word.label} for word in speech.words],
-        "performer": animation.provenance.performer,
-        "seed": int(animation.provenance.seed),
-        "version": animation.provenance.version,
-    }

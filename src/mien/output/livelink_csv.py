@@ -27,6 +27,9 @@ __all__ = ["COLUMNS", "EYE_DEGREES", "livelink_motion", "read_livelink", "write_
 EYE_DEGREES: dict[str, float] = {"Up": 18.0, "Down": 24.0, "In": 28.0, "Out": 30.0}
 """How far an eye turns at weight 1 of its eyeLook channels, degrees. Authored, not measured: a CSV knows no face."""
 
+_INNER_BROWS = ("browInnerUpLeft", "browInnerUpRight")
+_SIDES_APART = 0.02
+
 
 def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
     """Write the channels of an animation as a Live Link Face recording.
@@ -56,17 +59,32 @@ def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
 
 def _dropped(track: ChannelTrack, file: str) -> tuple[Note, ...]:
     """Which channels beyond ARKit's 52 moved; the tongue moves in all speech, so it alone is worth no note."""
-    moved = [name for name in MUSCLES if name in track.names and track.channel(name).any()]
-    if not moved:
-        return ()
-    return (Note("note", f"{file} has ARKit's 52 channels and cannot hold {', '.join(moved)}"),)
+    lost = [name for name in MUSCLES if name in track.names and name not in _INNER_BROWS]
+    moved = [name for name in lost if track.channel(name).any()]
+    apart = float(np.abs(np.subtract(*track.select(_INNER_BROWS).values.T)).max(initial=0.0))
+    notes = []
+    if apart > _SIDES_APART:
+        notes.append(
+            Note("note", f"{file} has one channel for both inner brows: sides up to {apart:.2f} apart are evened")
+        )
+    if moved:
+        notes.append(Note("note", f"{file} has ARKit's 52 channels and cannot hold {', '.join(moved)}"))
+    return tuple(notes)
 
 
 def livelink_motion(track: ChannelTrack) -> NDArray[np.float64]:
     """The numbers of `mien.livelink.MOTION_COLUMNS` for every frame, shape (frames, 61); missing channels are zero."""
     angles = np.radians(track.select(HEAD).values) * HEAD_SIGNS
-    motion: NDArray[np.float64] = np.hstack([track.select(ARKIT).values, angles, _eye_angles(track)])
+    motion: NDArray[np.float64] = np.hstack([_arkit_weights(track), angles, _eye_angles(track)])
     return motion + 0.0  # no "-0.00000000"
+
+
+def _arkit_weights(track: ChannelTrack) -> NDArray[np.float64]:
+    """ARKit's 52; its one raising of the inner brows takes the mean of what the two sides do besides."""
+    weights = track.select(ARKIT).values.copy()
+    column = ARKIT.index("browInnerUp")
+    weights[:, column] = np.clip(weights[:, column] + track.select(_INNER_BROWS).values.mean(axis=1), 0.0, 1.0)
+    return weights
 
 
 def _eye_angles(track: ChannelTrack) -> NDArray[np.float64]:

@@ -33,6 +33,10 @@ class Exporter:
         Whether it needs a `Face`.
     write : callable
         Given the animation, the path, the face (None unless ``shows_face``) and the progress callback.
+    check : callable
+        Raises MissingPartError where a library that the format needs is not installed.
+    companion : callable or None
+        Given the path, the folder beside it in which the format keeps pictures and sound.
     """
 
     suffix: str
@@ -40,6 +44,8 @@ class Exporter:
     loses: str
     shows_face: bool
     write: Callable[[Animation, Path, Face | None, Progress | None], tuple[Note, ...]]
+    check: Callable[[], None] = lambda: None
+    companion: Callable[[Path], Path] | None = None
 
 
 def _needed(face: Face | None) -> Face:
@@ -93,6 +99,30 @@ def _write_sound(animation: Animation, path: Path, _: Face | None, __: Progress 
     return write_sound(animation.utterance.audio, path)
 
 
+def _write_usd(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.output.usd import write_usd
+
+    return write_usd(animation, _needed(face), path)
+
+
+def _check_usd() -> None:
+    from mien.output.usd import check_usd
+
+    check_usd()
+
+
+def _usd_companion(path: Path) -> Path:
+    from mien.output.usd import companion_folder
+
+    return companion_folder(path)
+
+
+def _write_c3d(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.output.c3d import write_c3d
+
+    return write_c3d(animation, _needed(face), path)
+
+
 def _write_native(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
     from mien.output.native import write_native
 
@@ -120,6 +150,39 @@ EXPORTERS: tuple[Exporter, ...] = (
         "the sound itself, markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit",
         True,
         _write_glb,
+    ),
+    Exporter(
+        ".usdz",
+        "animated 3D face with its sound in one file (USD: UsdSkel blend shapes)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+    ),
+    Exporter(
+        ".usdc",
+        "animated 3D face (USD, binary layer; pictures and sound in a folder beside it)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+        _usd_companion,
+    ),
+    Exporter(
+        ".usda",
+        "animated 3D face (USD, text layer; pictures and sound in a folder beside it)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+        _usd_companion,
+    ),
+    Exporter(
+        ".c3d",
+        "markers on the face's skin with the sound (motion capture)",
+        "channels, words, phones, score, all motion between the markers; numbers are 32-bit",
+        True,
+        _write_c3d,
     ),
     Exporter(
         ".csv",
@@ -162,6 +225,8 @@ def check_output(path: str | Path) -> Path:
         If the suffix is not that of a format.
     OutputError
         If the folder is missing or not writable.
+    MissingPartError
+        If a library that the format needs is not installed.
 
     Examples
     --------
@@ -171,7 +236,7 @@ def check_output(path: str | Path) -> Path:
     mien.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: .TextGrid, .csv, ...
     """
     path = Path(path)
-    _exporter(path)
+    _exporter(path).check()
     return check_writable(path)
 
 
