@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ from PIL import Image, ImageDraw
 import mien
 from mien.channels import ALL, TONGUE, WEIGHTS
 from mien.errors import unknown_name
-from mien.face.face import Face
+from mien.face.face import Face, Part
 from mien.face.facs import action_units, au_channels, basic_expressions, expression_channels
 from mien.face.library import load_face
 from mien.face.posing import Poser
@@ -40,12 +40,17 @@ JPEG_QUALITY = 86
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture: channel weights, and from where; ``framing`` is one of `FRAMINGS`, ``yaw`` in degrees."""
+    """One picture: channel weights, and from where; ``framing`` is one of `FRAMINGS`, angles in degrees.
+
+    ``cut`` takes away skin, teeth and clothes on the speaker's left (x > 0), so that the tongue is seen between them.
+    """
 
     caption: str
     weights: Mapping[str, float] = field(default_factory=dict)
     framing: str = "portrait"
     yaw: float = 0.0
+    pitch: float = 0.0
+    cut: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,8 @@ FRAMINGS = {
     "portrait": (330.0, -30.0),
     "face": (235.0, -18.0),
     "mouth": (95.0, -62.0),
+    "lips": (62.0, -66.0),
+    "inside": (105.0, -62.0),
     "eyes": (80.0, 3.0),
 }
 
@@ -128,6 +135,44 @@ def _line_shots() -> tuple[Shot, ...]:
     return tuple(Shot(label, dict(zip(ALL, map(float, row), strict=True)), "face") for label, row in rows)
 
 
+_TONGUE_VISEMES = (
+    "tongue_on_teeth", "tongue_on_ridge", "lateral", "narrow_hiss", "round_hiss", "tongue_back", "curled", "spread",
+    "open",
+)  # fmt: skip
+
+
+def _inside_shots() -> tuple[Shot, ...]:
+    """The tongue's key shapes and its single shapes: front, from below at the side, and with the near half cut away."""
+    mouth = AuthoredMouth()
+    phones = {name: [p.lower() for p in sorted(phone_table()) if name in mouth.visemes_of(p)] for name in mouth.visemes}
+    poses = {f"{name.replace('_', ' ')}: {' '.join(phones[name])}": _named(mouth.visemes[name].shape)
+             for name in _TONGUE_VISEMES if name in mouth.visemes}  # fmt: skip
+    poses |= {name: {name: 1.0, **_companions(name)} for name in (*TONGUE, "tongueOut")}
+    return tuple(shot for caption, pose in poses.items() for shot in _inside_views(caption, pose))
+
+
+def _inside_views(caption: str, pose: Mapping[str, float]) -> tuple[Shot, ...]:
+    return (
+        Shot(caption, pose, "lips"),
+        Shot("", pose, "lips", yaw=35.0, pitch=-12.0),
+        Shot("", pose, "inside", yaw=72.0, pitch=8.0, cut=True),
+    )
+
+
+def _jaw_shots() -> tuple[Shot, ...]:
+    """The opening mouth from three sides."""
+    shots: list[Shot] = []
+    for weight in (0.3, 0.6, 1.0):
+        pose = {"jawOpen": weight}
+        shots += [Shot(f"jawOpen {weight:g}", pose, "mouth"), Shot("", pose, "mouth", yaw=40.0)]
+        shots.append(Shot("", pose, "mouth", yaw=-20.0, pitch=-15.0))
+    return tuple(shots)
+
+
+def _named(row: NDArray[np.float64]) -> dict[str, float]:
+    return {channel: float(weight) for channel, weight in zip(ALL, row, strict=True) if weight}
+
+
 def _shape_shots() -> tuple[Shot, ...]:
     return tuple(_shape_shot(name) for name in WEIGHTS)
 
@@ -164,6 +209,8 @@ SHEETS: dict[str, Sheet] = {
     "line": Sheet(_line_shots, columns=6, width=200, height=230),
     "shapes": Sheet(_shape_shots, columns=9, width=190, height=210),
     "visemes": Sheet(_viseme_shots, columns=4, width=250, height=190),
+    "tongue": Sheet(_inside_shots, columns=6, width=230, height=175),
+    "jaw": Sheet(_jaw_shots, columns=3, width=420, height=320),
     "expressions": Sheet(_expression_shots, columns=5, width=200, height=230),
     "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }
@@ -171,30 +218,43 @@ SHEETS: dict[str, Sheet] = {
 
 def draw(face: Face, sheet: Sheet) -> Image.Image:
     """All shots of a sheet in one picture."""
-    poser = Poser(face, ALL)
-    renderers: dict[tuple[str, float], Renderer] = {}
+    posers = {cut: Poser(_cut(face) if cut else face, ALL) for cut in (False, True)}
+    renderers: dict[tuple[str, float, float, bool], Renderer] = {}
     shots = sheet.shots()
     rows = -(-len(shots) // sheet.columns)
     whole = Image.new("RGB", (sheet.columns * sheet.width, rows * sheet.height))
     for place, shot in enumerate(shots):
-        view = (shot.framing, shot.yaw)
+        view = (shot.framing, shot.yaw, shot.pitch, shot.cut)
         if view not in renderers:
-            renderers[view] = _renderer(face, shot, sheet)
+            renderers[view] = _renderer(posers[shot.cut].face, shot, sheet)
         values = np.zeros(len(ALL))
         for name, weight in shot.weights.items():
             if name not in ALL:
                 raise unknown_name("channel", name, ALL)
             values[ALL.index(name)] = weight
-        picture = Image.fromarray(renderers[view].render(poser.pose(values)))
+        picture = Image.fromarray(renderers[view].render(posers[shot.cut].pose(values)))
         ImageDraw.Draw(picture).text((6, 4), shot.caption, fill=(245, 245, 245))
         row, column = divmod(place, sheet.columns)
         whole.paste(picture, (column * sheet.width, row * sheet.height))
     return whole
 
 
+def _cut(face: Face) -> Face:
+    """The face without what lies on the speaker's left, except the tongue."""
+
+    def opened(part: Part) -> Part:
+        kept = (part.vertices[part.triangles][:, :, 0] <= 0).all(axis=1)
+        return part if part.name == "tongue" else replace(part, triangles=part.triangles[kept])
+
+    kept = [opened(part) for part in face.parts]
+    shown = tuple(part for part in kept if len(part.triangles))
+    names = {part.name for part in shown}
+    return replace(face, parts=shown, eyes=tuple(eye for eye in face.eyes if eye.part in names))
+
+
 def _renderer(face: Face, shot: Shot, sheet: Sheet) -> Renderer:
     field_mm, middle = FRAMINGS[shot.framing]
-    camera = Camera((0.0, middle, 10.0), distance=1100.0, field_mm=field_mm).turned(shot.yaw)
+    camera = Camera((0.0, middle, 10.0), distance=1100.0, field_mm=field_mm).turned(shot.yaw, shot.pitch)
     return Renderer(face, sheet.width, sheet.height, camera)
 
 

@@ -359,12 +359,33 @@ def test_tongue_tip_rises_behind_the_upper_teeth_and_comes_out(
         for more in ({}, {"tongueTipUp": 1.0}, {"tongueBackUp": 1.0}, {"tongueOut": 1.0})
     )
     tip = np.argmax(rest[:, 2])
-    assert (up[:, 1] - rest[:, 1]).max() > 8
+    assert (up[:, 1] - rest[:, 1]).max() > 6
     assert up[tip, 1] - rest[tip, 1] > 3
     assert (back[:, 1] - rest[:, 1]).max() > 5
     assert back[tip, 1] - rest[tip, 1] < 3
     lip = posed(jawOpen=0.2)["skin"][face.sites["lip_lower_inner"][1], 2]
     assert out[:, 2].max() > lip + 3
+
+
+@pytest.mark.parametrize(("viseme", "reach"), [("tongue_on_ridge", 4.0), ("lateral", 4.0), ("tongue_on_teeth", 0.0)])
+def test_the_tongue_of_n_l_and_th_shows_between_the_teeth(
+    posed: Callable[..., dict[str, Floats]], viseme: str, reach: float
+) -> None:
+    """Between the edges of the incisors it comes to their back, less ``reach`` mm; for /th/ through them."""
+    from mien.channels import ALL
+    from mien.models.authored_mouth import AuthoredMouth
+
+    shape = AuthoredMouth().visemes[viseme].shape
+    parts = posed(**{name: float(weight) for name, weight in zip(ALL, shape, strict=True) if weight})
+    upper, lower, tongue = (parts[name] for name in ("teeth_upper", "teeth_lower", "tongue"))
+    upper, lower, tongue = (points[np.abs(points[:, 0]) < 5] for points in (upper, lower, tongue))
+    edge, below = upper[:, 1].min(), lower[:, 1].max()
+    back = upper[upper[:, 1] < edge + 3][:, 2].min()
+    shown = tongue[(tongue[:, 1] < edge) & (tongue[:, 1] > below)]
+    assert edge - below > 2.0
+    assert shown[:, 2].max() > back - reach
+    if viseme != "tongue_on_teeth":  # the tip stands behind the upper teeth, not in them
+        assert tongue[tongue[:, 1] > edge + 0.5][:, 2].max() < back + 0.5
 
 
 def test_head_weight_runs_from_the_trunk_to_the_face(face: Face) -> None:

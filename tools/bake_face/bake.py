@@ -20,7 +20,7 @@ from eyes import build_caruncles, build_eye, eye_entry, paint_eye
 from hairs import brow_density, build_brows, build_lashes
 from head import Head, build_head
 from makehuman import Floats, MakeHuman
-from mouth import seal_lips
+from mouth import line_mouth, seal_lips
 from muscles import add_muscles
 from paint import paint_skin
 from scalp import build_cap, build_clumps, hair_mask, paint_hair
@@ -77,6 +77,7 @@ def bake(wheel: Path) -> Face:
     fit_lids(head, radius)
     seam = float(skin.vertices[head.lip_loop][:, 1].mean())
     front = float(skin.vertices[head.lip_loop][:, 2].max()) - 4.0
+    line_mouth(head, front)
     upper = build_row(Row("teeth_upper", front=front, edge=seam - 2.6, half_width=27.0, depth=46.0))
     lower = build_row(Row("teeth_lower", front=front - 2.8, edge=seam - 1.4, half_width=25.0, depth=44.0))
     follow_helper(upper, data, head, "helper-upper-teeth")

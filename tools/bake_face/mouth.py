@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from contact import Edges, edges_between
+from contact import Edges, edges_between, geodesic
 from head import Head
+from sculpt import smoothstep
 
 _SEALED = 0.05  # mm of air between lips that touch
+_CHEEK = 3.0  # mm from the middle of the row of teeth to the cheek's inside
+_PALATE = -50.0  # y over which the lining is pressed down, mm
 # Shapes of a closed mouth; the lips stay together in each of them.
 _CLOSED = (
     "jawForward", "jawLeft", "jawRight", "mouthPucker", "mouthLeft", "mouthRight", "mouthSmileLeft", "mouthSmileRight",
@@ -40,6 +43,22 @@ def seal_lips(head: Head) -> Edges:
     together = skin.posed(jawOpen=1.0, mouthClose=1.0)
     skin.shapes["mouthClose"] = skin.shapes["mouthClose"] + lips.closing(together, -_SEALED)
     return lips
+
+
+def line_mouth(head: Head, front: float) -> None:
+    """Lay the mouth's lining to the teeth: cheeks beside them, the palate over them; MakeHuman's bag is far wider.
+
+    ``front`` is z of the upper teeth's front.
+    """
+    skin = head.skin
+    x, y, z = skin.vertices.T
+    deep = geodesic(skin.vertices, skin.triangles, head.lip_loop)
+    inside = smoothstep(0.5, 0.9, head.masks["inside-mouth"]) * smoothstep(5.0, 16.0, deep)
+    angle = np.arccos(np.clip(1 - (front - z) / 46.0, 0.0, 1.0))
+    wide = np.where(z > front - 46.0, 27.0 * np.sin(angle), 27.0) + _CHEEK
+    beyond = np.maximum(np.abs(x) - wide, 0.0)
+    skin.vertices[:, 0] -= np.sign(x) * 0.85 * beyond * inside
+    skin.vertices[:, 1] -= 0.72 * np.maximum(y - _PALATE, 0.0) * inside
 
 
 def widest_gap(lips: Edges, shape: np.ndarray) -> float:

@@ -16,9 +16,10 @@ from sculpt import smoothstep, vertex_normals
 
 _SIDES = (("Left", 1.0), ("Right", -1.0))
 _MIDDLE = 7.0  # mm: halves of the face fade into each other over this distance from the middle
-_FLARE, _COMPRESS = 1.3, 1.6  # how much of MakeHuman's units
+_FLARE, _COMPRESS = 3.0, 3.4  # how much of MakeHuman's units
 # Nasolabial furrow of the left side, from the wing of the nose to beside the mouth's corner: (x, y) in mm.
 _FURROW = ((17.0, -41.0), (24.0, -48.5), (31.0, -58.0))
+_FOLD = 6.4  # mm from one fold of a wrinkled nose to the next
 # The raw units by which `makehuman.MakeHuman.expression_units` calls them.
 RAW = ("nose-compression", "nose-dilatation")
 
@@ -29,7 +30,9 @@ def add_muscles(head: Head) -> None:
     raw = {name: skin.shapes.pop(name) for name in RAW}
     for name in RAW:
         head.units.pop(name)
+    _raise_chin(head)
     for side, sign in _SIDES:
+        _wrinkle_nose(head, side, sign)
         half = smoothstep(-_MIDDLE, _MIDDLE, sign * skin.vertices[:, 0])[:, None]
         skin.shapes["browInnerUp" + side] = skin.shapes["browInnerUp"] * half
         skin.shapes["noseFlare" + side] = _FLARE * raw["nose-dilatation"] * half
@@ -37,6 +40,50 @@ def add_muscles(head: Head) -> None:
         skin.shapes["nasolabialDeepen" + side] = _furrow(head, side, sign)
         skin.shapes["mouthSharpPull" + side] = _sharp_pull(head, side, sign)
         skin.shapes["mouthTighten" + side] = _tightened(head) * half
+
+
+def _wrinkle_nose(head: Head, side: str, sign: float) -> None:
+    """The skin of ARKit's sneer gathers: folds across the nose's side, its wing up, the cheek beside it pulled in."""
+    skin = head.skin
+    x, y, z = (skin.vertices * np.array([sign, 1.0, 1.0])).T
+    normals = vertex_normals(skin.vertices, skin.triangles)
+    half = smoothstep(-1.5, 2.5, x)
+    flank = (
+        half
+        * smoothstep(17.0, 8.0, x)
+        * smoothstep(-34.0, -26.0, y)
+        * smoothstep(4.0, -4.0, y)
+        * smoothstep(2.0, 12.0, z)
+    )
+    folds = 0.95 * np.cos(2 * np.pi * (y + 0.55 * x + 14.0) / _FOLD) * flank
+    wing = np.exp(-(((x - 14.0) / 6.0) ** 2) - (((y + 40.0) / 7.0) ** 2)) * smoothstep(0.0, 12.0, z)
+    beside = np.exp(-(((x - 22.0) / 8.0) ** 2) - (((y + 30.0) / 10.0) ** 2)) * smoothstep(-5.0, 10.0, z)
+    lifted = np.outer(wing, [-0.4 * sign, 2.2, 0.4]) + np.outer(beside, [-1.2 * sign, 2.4, 0.7])
+    skin.shapes["noseSneer" + side] = skin.shapes["noseSneer" + side] + normals * folds[:, None] + lifted
+
+
+def _raise_chin(head: Head) -> None:
+    """The chin's boss goes up and flattens, the lower lip rides on it and out, a furrow forms below the lip."""
+    skin = head.skin
+    x, y, z = skin.vertices.T
+    front = smoothstep(-5.0, 12.0, z) * (1 - head.masks["inside-mouth"])
+    boss = np.exp(-((x / 15.0) ** 2) - (((y + 92.0) / 10.0) ** 2)) * front
+    furrow = np.exp(-((x / 13.0) ** 2) - (((y + 81.5) / 3.6) ** 2)) * front
+    lip = np.exp(-((x / 17.0) ** 2) - (((y + 73.0) / 5.5) ** 2)) * front
+    moved = np.outer(boss, [0.0, 4.6, 0.9]) + np.outer(furrow, [0.0, 1.6, -2.0]) + np.outer(lip, [0.0, 2.6, 2.4])
+    skin.shapes["mouthShrugLower"] = skin.shapes["mouthShrugLower"] + moved
+
+
+def _smoothed(head: Head, field: Floats, where: Floats, rounds: int) -> Floats:
+    """A field of offsets evened out over the mesh's edges where ``where`` (0..1) says so."""
+    sides = np.vstack([head.skin.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    count = np.bincount(sides.ravel(), minlength=len(field))[:, None]
+    for _ in range(rounds):
+        total = np.zeros_like(field)
+        np.add.at(total, sides[:, 0], field[sides[:, 1]])
+        np.add.at(total, sides[:, 1], field[sides[:, 0]])
+        field = field + where[:, None] * (total / np.maximum(count, 1) - field)
+    return field
 
 
 def _furrow(head: Head, side: str, sign: float) -> Floats:
@@ -79,7 +126,10 @@ def _sharp_pull(head: Head, side: str, sign: float) -> Floats:
     smile = skin.shapes["mouthSmile" + side]
     x, y, _ = (skin.vertices * np.array([sign, 1.0, 1.0])).T
     cheek = np.exp(-(((x - 40.0) / 18.0) ** 2) - (((y + 44.0) / 18.0) ** 2))[:, None]
-    return np.asarray(smile * np.array([0.20, 1.05, 0.75]) + 0.45 * cheek * skin.shapes["cheekPuff"])
+    pulled = smile * np.array([0.30, 0.95, 0.75]) + 0.45 * cheek * skin.shapes["cheekPuff"]
+    corner = np.exp(-(((x - 32.0) / 14.0) ** 2) - (((y + 58.0) / 14.0) ** 2))
+    soft = corner * (1 - np.clip(head.masks["lips"] * 2, 0, 1)) * (1 - head.masks["inside-mouth"])
+    return _smoothed(head, np.asarray(pulled), soft, rounds=14)
 
 
 def _tightened(head: Head) -> Floats:

@@ -22,8 +22,8 @@ _SALLOW = np.array([0.80, 0.625, 0.49])
 _LID = np.array([0.66, 0.44, 0.385])
 _LIP = np.array([0.725, 0.445, 0.405])
 _LIP_EDGE = np.array([0.56, 0.285, 0.275])
-_INSIDE = np.array([0.60, 0.27, 0.26])
-_DEEP = np.array([0.22, 0.07, 0.07])
+_INSIDE = np.array([0.80, 0.40, 0.38])
+_DEEP = np.array([0.50, 0.17, 0.16])
 _SHADE = np.array([0.42, 0.20, 0.16])  # what light turns into in the folds
 _STUBBLE = np.array([0.225, 0.155, 0.118])
 
@@ -148,8 +148,8 @@ def _lips(canvas: Canvas, sites: dict[str, Floats], seed: int) -> None:
     canvas.mix(0.45 * canvas.spot(corner[0] + 0.5, corner[1] - 1.5, corner[2], (4.0, 3.5, 6.0)), _LIP_EDGE)
     inside = smoothstep(0.0, 0.7, canvas.inside)
     canvas.mix(inside, _INSIDE)
-    depth = smoothstep(4.0, 40.0, sites["lip_lower_inner"][2] - canvas.place[:, 2])
-    canvas.mix(inside * (0.25 + 0.75 * depth), _DEEP)
+    depth = smoothstep(8.0, 70.0, sites["lip_lower_inner"][2] - canvas.place[:, 2])
+    canvas.mix(inside * (0.1 + 0.9 * depth), _DEEP)
 
 
 def _shadows(canvas: Canvas) -> None:

@@ -20,15 +20,20 @@ def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
     along = (z - back) / (front - back)
     # The underside rises less than the back of the tongue, so that the blade is seen between parted teeth.
     upward = vertex_normals(tongue.vertices, tongue.triangles)[:, 1]
-    tip = smoothstep(0.40, 0.95, along) * (0.35 + 0.65 * smoothstep(-0.7, 0.3, upward))
-    tongue.shapes["tongueTipUp"] = _raised(tip, 9.5, 4.5)
+    # The tip goes to the back of the upper teeth and curls over them a little; below it the blade stays in sight.
+    tip = smoothstep(0.40, 0.95, along) * (0.30 + 0.70 * smoothstep(-0.7, 0.3, upward))
+    tongue.shapes["tongueTipUp"] = _raised(tip, 7.0, 9.2)
     tongue.shapes["tongueBackUp"] = _raised(np.exp(-(((along - 0.30) / 0.22) ** 2)), 8.5, -2.0)
     blade = np.exp(-(((along - 0.62) / 0.20) ** 2)) * (0.5 + 0.5 * smoothstep(-0.7, 0.3, upward))
     tongue.shapes["tongueBladeUp"] = _raised(blade, 7.5, 2.0)
     tongue.shapes["tongueCurl"] = _raised(smoothstep(0.55, 1.0, along), 11.0, -9.0)
     middle = np.exp(-((x / 3.0) ** 2)) * smoothstep(np.median(y), y.max(), y)
-    pink, dark = np.array([0.80, 0.43, 0.42]), np.array([0.42, 0.17, 0.17])
-    tongue.colours = dark + (pink - dark) * smoothstep(0.10, 0.80, along)[:, None]
+    # Little light reaches a mouth: the paint is the lighter for it, most so below, where only what the teeth send
+    # back arrives.
+    pink, dark, below = np.array([0.88, 0.49, 0.47]), np.array([0.50, 0.21, 0.20]), np.array([0.99, 0.62, 0.60])
+    tongue.colours = dark + (pink - dark) * smoothstep(0.10, 0.70, along)[:, None]
+    under = (smoothstep(0.3, -0.5, upward) * smoothstep(0.45, 0.8, along))[:, None]
+    tongue.colours = tongue.colours + (below - tongue.colours) * under
     tongue.colours = tongue.colours * (1 - 0.12 * middle)[:, None]
     return tongue
 
