@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,8 +13,10 @@ from mien.corpus.layouts import load_layout
 from mien.errors import InputError
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
+from mien.face.posing import Poser
 from mien.face.tree_posing import TreePoser
 from mien.models.articulatory import STAGES, ArticulatoryModel, articulatory_tree
+from tests.another_face import another_face
 
 LAYOUT = load_layout("mediapipe-218")
 MOUTH = LAYOUT.groups["mouth"]
@@ -58,6 +61,20 @@ def test_each_stage_takes_out_what_it_explains(learned: SimpleNamespace) -> None
     np.testing.assert_allclose(learned.model.positions(found), learned.frames, atol=0.35)
 
 
+def test_on_another_face_the_lips_part_and_channels_are_met(learned: SimpleNamespace) -> None:
+    face, numbers = another_face(load_face())
+    tree = articulatory_tree(learned.model, face)
+    names = [*ALL, "articulation_jaw_opening"]
+    moved, skin = TreePoser(replace(face, tree=tree), names), [part.name for part in face.parts].index("skin")
+    row = np.array([2.0 * (name == "articulation_jaw_opening") for name in names])
+    offsets = moved.pose(row).parts[skin].vertices - face.parts[skin].vertices
+    lower, upper = (numbers[load_face().sites[f"lip_{lip}_outer"][1]] for lip in ("lower", "upper"))
+    assert offsets[lower, 1] < offsets[upper, 1] - 1
+    smile = np.array([float(name == "mouthSmileRight") for name in names])
+    asked = Poser(face, names[:-1]).pose(smile[:-1]).parts[skin].vertices
+    assert np.linalg.norm(moved.pose(smile).parts[skin].vertices - asked, axis=1).max() < 1.0
+
+
 def test_frames_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InputError, match="expected frames of 48 markers"):
         ArticulatoryModel().fit(np.zeros((4, 3, 3)), MOUTH, "mediapipe-218")
@@ -88,6 +105,12 @@ def test_the_parameters_move_the_default_face(learned: SimpleNamespace) -> None:
     assert offsets(articulation_mouth_width=2.0)[corner, 0] > 1
     assert offsets(articulation_lip_protrusion=2.0)[lower, 2] > 1
     assert np.linalg.norm(offsets(articulation_jaw_opening=2.0)[face.sites["brow_inner_left"][1]]) < 0.2
+    # What five parameters of speech cannot say, such as a smile, leaves say: channels do what the targets do.
+    plain = Poser(face, ALL)
+    for channel, weight in (("mouthSmileLeft", 1.0), ("mouthPucker", 1.0), ("jawOpen", 1.0), ("mouthFunnel", 0.5)):
+        asked = plain.pose(np.array([weight * (name == channel) for name in ALL])).parts[skin].vertices
+        missed = np.linalg.norm(offsets(**{channel: weight}) + face.parts[skin].vertices - asked, axis=1)
+        assert missed.max() < (1.0 if channel != "jawOpen" else 2.0), channel
     # Channels drive the parameters too, and the upper face keeps its own leaves.
     assert offsets(jawOpen=0.3)[face.sites["chin"][1], 1] < -3
     assert offsets(browInnerUp=1.0)[face.sites["brow_inner_left"][1], 1] > 2

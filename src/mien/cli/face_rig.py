@@ -48,6 +48,11 @@ def add_commands(kinds: Any) -> None:
     articulation.add_argument("-o", "--output", metavar="X.tree", required=True, help="the file to write")
     articulation.add_argument("--face", default="default", metavar="NAME", help="the face (default: default)")
     articulation.add_argument("--directions", type=int, default=3, choices=(1, 2, 3), help="as for 'parameters'")
+    articulation.add_argument(
+        "--parameters-only",
+        action="store_true",
+        help="let channels move the five parameters alone: no leaves for what these cannot say, such as a smile",
+    )
     articulation.add_argument("--pictures", metavar="X.png", help="draw each parameter at -2 and +2 into this file")
     articulation.set_defaults(run=_articulation)
 
@@ -79,7 +84,7 @@ def _articulation(options: argparse.Namespace) -> int:
         apart = speaking_frames(held)[0]
         told.append(f"RMS distance on {len(held)} takes held out ({len(apart)} frames):")
         told += [f"  {name}: {e:.2f} mm" for name, e in held_out_errors(model, apart, positions, face).items()]
-    tree = articulatory_tree(model, face, options.directions)
+    tree = articulatory_tree(model, face, options.directions, remainders=not options.parameters_only)
     about = f"articulatory parameters of face {options.face!r} by 'mien face articulation'\n" + "\n".join(told)
     write_tree(tree, path, about)
     print("\n".join(told))

@@ -30,7 +30,7 @@ from mien.errors import InputError
 from mien.face.face import Face, Part
 
 __all__ = [
-    "GIVEN", "MarkerPlaces", "Placed", "along_skin", "load_marker_places", "place_markers", "skin_of", "warp_between",
+    "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "load_marker_places", "place_markers", "skin_of", "warp_between",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -325,7 +325,8 @@ def _own_lips(skin: Part, places: Floats, vertices: Ints, row: Mapping[int, int]
     sure = {lip: [vertices[row[mark]] for mark in facts["sure"] if mark in row] for lip, facts in lips.items()}
     if not all(sure.values()):
         return {}
-    distance = {lip: along_skin(skin, np.array(seeds, dtype=np.int64)) for lip, seeds in sure.items()}
+    distances = SkinDistances(skin)
+    distance = {lip: distances.to_nearest(np.array(seeds, dtype=np.int64)) for lip, seeds in sure.items()}
     found = {}
     for lip, other in (("upper", "lower"), ("lower", "upper")):
         own = np.flatnonzero(distance[lip] < distance[other])
@@ -336,19 +337,30 @@ def _own_lips(skin: Part, places: Floats, vertices: Ints, row: Mapping[int, int]
     return found
 
 
-def along_skin(part: Part, seeds: Ints) -> Floats:
-    """Distance along the edges from the nearest seed, shape (vertices,), mm; seams of the texture are closed."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import dijkstra
+class SkinDistances:
+    """Distances along the edges of a part, mm; seams of the texture are closed.
 
-    from mien.face.posing import welded_vertices
+    Parameters
+    ----------
+    part : Part
+    """
 
-    welded = welded_vertices(part)
-    sides = np.vstack([welded[part.triangles[:, [k, (k + 1) % 3]]] for k in range(3)])
-    sides = np.unique(np.sort(sides, axis=1), axis=0)
-    sides = sides[sides[:, 0] != sides[:, 1]]
-    length = np.linalg.norm(part.vertices[sides[:, 0]] - part.vertices[sides[:, 1]], axis=1) + 1e-9
-    n = len(part.vertices)
-    graph = csr_matrix((length, (sides[:, 0], sides[:, 1])), (n, n))
-    found = dijkstra(graph, directed=False, indices=np.unique(welded[seeds]), min_only=True)
-    return np.asarray(found[welded], dtype=np.float64)
+    def __init__(self, part: Part) -> None:
+        from scipy.sparse import csr_matrix
+
+        from mien.face.posing import welded_vertices
+
+        self._welded = welded_vertices(part)
+        sides = np.vstack([self._welded[part.triangles[:, [k, (k + 1) % 3]]] for k in range(3)])
+        sides = np.unique(np.sort(sides, axis=1), axis=0)
+        sides = sides[sides[:, 0] != sides[:, 1]]
+        length = np.linalg.norm(part.vertices[sides[:, 0]] - part.vertices[sides[:, 1]], axis=1) + 1e-9
+        n = len(part.vertices)
+        self._graph = csr_matrix((length, (sides[:, 0], sides[:, 1])), (n, n))
+
+    def to_nearest(self, seeds: Ints) -> Floats:
+        """From the nearest seed, shape (vertices,); infinite where no edge leads."""
+        from scipy.sparse.csgraph import dijkstra
+
+        found = dijkstra(self._graph, directed=False, indices=np.unique(self._welded[seeds]), min_only=True)
+        return np.asarray(found[self._welded], dtype=np.float64)

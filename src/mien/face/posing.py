@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.channels import ALL
 from mien.errors import InputError, unknown_name
-from mien.face.face import Eye, Face, Part
+from mien.face.face import Eye, Face, Part, Target
 
 __all__ = ["PosedFace", "PosedPart", "Poser", "eye_rotation", "head_rotation", "pose_reference", "welded_vertices"]
 
@@ -33,6 +33,7 @@ Matrix = NDArray[np.float64]
 
 # Vertices closer than this (mm), at rest and in a mixture of all targets, are one point of the surface.
 _WELD_MM = 1e-3
+_GAP = 8  # vertices that do not move between two that do, at most, within one run
 
 
 def head_rotation(yaw: float, pitch: float, roll: float) -> Matrix:
@@ -110,9 +111,11 @@ class _Surface:
     triangles: Indices
     head_weight: Floats
     welded: Indices  # (n,) the first vertex that each one shares its normal with
+    shaded: Indices  # (t, 3) triangles of welded vertices
     target_column: Indices  # (targets,) channel of each target
-    target_start: Indices  # (targets + 1,)
-    target_vertex: Indices
+    target_start: Indices  # (targets + 1,) its runs: neighbouring vertices that it moves
+    run_vertex: Indices  # (runs,) where each run begins
+    run_start: Indices  # (runs + 1,) its offsets
     target_offset: Floats
     eye_span: Indices  # (eyes, 2) first vertex and end
     eye_centre: Floats  # (eyes, 3)
@@ -165,11 +168,13 @@ class Poser:
         _pose_kernel(
             surface.rest,
             surface.triangles,
+            surface.shaded,
             surface.head_weight,
             surface.welded,
             surface.target_start,
-            surface.target_vertex,
-            surface.target_offset,
+            surface.run_vertex,
+            surface.run_start,
+            surface.target_offset.reshape(-1),
             row[surface.target_column].astype(np.float32),
             surface.eye_span,
             surface.eye_centre,
@@ -177,6 +182,7 @@ class Poser:
             head,
             surface.pivot,
             vertices,
+            vertices.reshape(-1),
             normals,
         )
         return _split(surface, vertices, normals)
@@ -203,9 +209,11 @@ def pose_reference(poser: Poser, values: ArrayLike) -> PosedFace:
     row, surface = poser._checked(values), poser._surface
     turns, head = poser._rotations(row)
     vertices = surface.rest.copy()
-    for number, column in enumerate(surface.target_column):
-        span = slice(surface.target_start[number], surface.target_start[number + 1])
-        np.add.at(vertices, surface.target_vertex[span], np.float32(row[column]) * surface.target_offset[span])
+    for part, start in zip(poser.face.parts, surface.starts, strict=False):
+        for name, target in part.targets.items():
+            if name in poser._column:
+                weight = np.float32(row[poser._column[name]])
+                np.add.at(vertices, target.vertices + start, weight * target.offsets)
     for (first, end), centre, turn in zip(surface.eye_span, surface.eye_centre, turns, strict=True):
         vertices[first:end] = (vertices[first:end] - centre) @ turn.T + centre
     turned = (vertices - surface.pivot) @ head.T + surface.pivot
@@ -233,28 +241,50 @@ def _surface(face: Face, column: dict[str, int]) -> _Surface:
     for eye in face.eyes:
         weights[names.index(eye.part)] = np.ones_like(weights[names.index(eye.part)])
     moved = [
-        (column[name], target.vertices + start, target.offsets)
+        (column[name], _runs(target, start))
         for part, start in zip(face.parts, starts, strict=False)
         for name, target in part.targets.items()
         if name in column
     ]
+    runs = [run for _, found in moved for run in found]
+    triangles = _indices([part.triangles + start for part, start in zip(face.parts, starts, strict=False)])
+    welded = _indices([welded_vertices(part) + start for part, start in zip(face.parts, starts, strict=False)])
     eye_parts = [names.index(eye.part) for eye in face.eyes]
     return _Surface(
         starts=tuple(starts),
         rest=_floats([part.vertices for part in face.parts], 3),
-        triangles=_indices([part.triangles + start for part, start in zip(face.parts, starts, strict=False)]).reshape(
-            -1, 3
-        ),
+        triangles=triangles.reshape(-1, 3),
+        shaded=welded[triangles].reshape(-1, 3),
         head_weight=np.concatenate([np.zeros(0, np.float32), *weights]).astype(np.float32),
-        welded=_indices([welded_vertices(part) + start for part, start in zip(face.parts, starts, strict=False)]),
+        welded=welded,
         target_column=np.array([entry[0] for entry in moved], dtype=np.int32),
         target_start=np.cumsum([0, *(len(entry[1]) for entry in moved)]).astype(np.int32),
-        target_vertex=_indices([entry[1] for entry in moved]),
-        target_offset=_floats([entry[2] for entry in moved], 3),
+        run_vertex=np.array([run[0] for run in runs], dtype=np.int32),
+        run_start=np.cumsum([0, *(len(run[1]) for run in runs)]).astype(np.int32),
+        target_offset=_floats([run[1] for run in runs], 3),
         eye_span=np.array([(starts[p], starts[p + 1]) for p in eye_parts], dtype=np.int32).reshape(-1, 2),
         eye_centre=np.array([eye.centre for eye in face.eyes], dtype=np.float32).reshape(-1, 3),
         pivot=np.array(face.head_pivot, dtype=np.float32),
     )
+
+
+def _runs(target: Target, start: int) -> list[tuple[int, Floats]]:
+    """A target as runs of neighbouring vertices: (first vertex, offsets (k, 3)); gaps up to `_GAP` hold zeros.
+
+    Adding a run needs no list of vertices and goes eight numbers at a time: three times as fast as one by one.
+    """
+    if not len(target.vertices):
+        return []
+    order = np.unique(target.vertices)
+    first = int(order[0])
+    dense = np.zeros((int(order[-1]) - first + 1, 3), np.float32)
+    np.add.at(dense, target.vertices - first, target.offsets)
+    ends = np.append(np.flatnonzero(np.diff(order) > _GAP), len(order) - 1)
+    begins = np.append(0, ends[:-1] + 1)
+    return [
+        (int(order[a]) + start, dense[order[a] - first : order[b] - first + 1])
+        for a, b in zip(begins, ends, strict=True)
+    ]
 
 
 def _floats(pieces: Sequence[NDArray[np.float32]], width: int) -> Floats:
@@ -286,54 +316,69 @@ def welded_vertices(part: Part, told_apart_by: ArrayLike | None = None) -> Indic
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _pose_kernel(  # type: ignore[no-untyped-def]  # numba infers the types; the arrays are those of _Surface
-    rest, triangles, head_weight, welded, target_start, target_vertex, target_offset, weights,
-    eye_span, eye_centre, eye_turn, head_turn, pivot, vertices, normals,
+    rest, triangles, shaded, head_weight, welded, target_start, run_vertex, run_start, target_offset, weights,
+    eye_span, eye_centre, eye_turn, head_turn, pivot, vertices, numbers, normals,
 ):  # fmt: skip
+    """``numbers`` are the vertices as one row of numbers, ``target_offset`` likewise."""
     count = rest.shape[0]
     vertices[:] = rest
     for k in range(weights.shape[0]):
         weight = weights[k]
         if weight == 0.0:
             continue
-        for i in range(target_start[k], target_start[k + 1]):
-            v = target_vertex[i]
-            for c in range(3):
-                vertices[v, c] += weight * target_offset[i, c]
+        for run in range(target_start[k], target_start[k + 1]):
+            first, end = 3 * run_start[run], 3 * run_start[run + 1]
+            moved = numbers[3 * run_vertex[run] : 3 * run_vertex[run] + end - first]
+            offset = target_offset[first:end]
+            for i in range(end - first):
+                moved[i] += weight * offset[i]
     for e in range(eye_span.shape[0]):
         for v in range(eye_span[e, 0], eye_span[e, 1]):
             _turn(vertices, v, eye_turn[e], eye_centre[e], np.float32(1.0))
     for v in range(count):
         if head_weight[v] != 0.0:
             _turn(vertices, v, head_turn, pivot, head_weight[v])
-    shade(vertices, triangles, welded, normals)
+    _shade(vertices, triangles, shaded, welded, normals)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def shade(vertices, triangles, welded, normals):  # type: ignore[no-untyped-def]
     """Unit normals of vertices as they stand, weighted by area, shared by vertices that are welded."""
+    shaded = np.empty_like(triangles)
+    for t in range(triangles.shape[0]):
+        for k in range(3):
+            shaded[t, k] = welded[triangles[t, k]]
+    _shade(vertices, triangles, shaded, welded, normals)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _shade(vertices, triangles, shaded, welded, normals):  # type: ignore[no-untyped-def]
     count = vertices.shape[0]
     normals[:] = 0.0
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
-        wx, wy, wz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
+        x, y, z = vertices[a, 0], vertices[a, 1], vertices[a, 2]
+        ux, uy, uz = vertices[b, 0] - x, vertices[b, 1] - y, vertices[b, 2] - z
+        wx, wy, wz = vertices[c, 0] - x, vertices[c, 1] - y, vertices[c, 2] - z
         nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
         for k in range(3):
-            v = welded[triangles[t, k]]
+            v = shaded[t, k]
             normals[v, 0] += nx
             normals[v, 1] += ny
             normals[v, 2] += nz
     for v in range(count):
         if welded[v] == v:
-            length = np.sqrt(normals[v, 0] ** 2 + normals[v, 1] ** 2 + normals[v, 2] ** 2)
-            if length > 0.0:
-                for c in range(3):
-                    normals[v, c] /= length
+            nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
+            squared = nx * nx + ny * ny + nz * nz
+            if squared > 0.0:
+                share = np.float32(1.0) / np.sqrt(squared)
+                normals[v, 0], normals[v, 1], normals[v, 2] = nx * share, ny * share, nz * share
             else:
                 normals[v, 2] = 1.0
     for v in range(count):
-        if welded[v] != v:
-            normals[v] = normals[welded[v]]
+        w = welded[v]
+        if w != v:
+            normals[v, 0], normals[v, 1], normals[v, 2] = normals[w, 0], normals[w, 1], normals[w, 2]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

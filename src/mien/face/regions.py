@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.errors import InputError
 from mien.face.face import Face, Part, Target
-from mien.face.marker_sites import along_skin, load_marker_places, place_markers, skin_of
+from mien.face.marker_sites import SkinDistances, load_marker_places, place_markers, skin_of
 
 __all__ = ["MarkerSites", "RegionDeformer", "face_by_regions", "interpolation_matrix", "sites_of_layout"]
 
@@ -139,12 +139,17 @@ def interpolation_matrix(centres: ArrayLike, points: ArrayLike, softness: float 
     [1.0, 2.0, 3.0]
     """
     known, wanted = np.asarray(centres, dtype=np.float64), np.asarray(points, dtype=np.float64)
-    m = len(known)
+    reach = np.hstack([_basis(wanted, known, softness), np.ones((len(wanted), 1))])
+    return np.asarray(reach @ _solved(known, softness))
+
+
+def _solved(centres: Floats, softness: float) -> Floats:
+    """Takes values at centres (m,) to coefficients and the constant, shape (m + 1, m)."""
+    m = len(centres)
     system = np.zeros((m + 1, m + 1))
-    system[:m, :m] = _basis(known, known, softness)
+    system[:m, :m] = _basis(centres, centres, softness)
     system[:m, m] = system[m, :m] = 1.0
-    solved = np.linalg.solve(system, np.eye(m + 1, m))
-    return np.asarray(np.hstack([_basis(wanted, known, softness), np.ones((len(wanted), 1))]) @ solved)
+    return np.asarray(np.linalg.solve(system, np.eye(m + 1, m)))
 
 
 def _basis(points: Floats, centres: Floats, softness: float) -> Floats:
@@ -177,6 +182,7 @@ class RegionDeformer:
         self._centres = skin.vertices[self.sites.vertices].astype(np.float64)
         distance = self._distances(skin)
         self._anchors = self._resting_points(skin, distance)
+        self._fields = [self._field(region) for region in self.sites.regions]
         self.shares: dict[str, Floats] = {}
         self.matrices: dict[str, NDArray[np.float32]] = {}
         nearest = {skin.name: np.arange(len(skin.vertices))}
@@ -202,9 +208,10 @@ class RegionDeformer:
 
     def _distances(self, skin: Part) -> Floats:
         """Along the skin from the nearest marker of each region, shape (regions, vertices), mm."""
+        distances, nowhere = SkinDistances(skin), np.full(len(skin.vertices), np.inf)
         return np.array(
             [
-                along_skin(skin, self.sites.vertices[list(numbers)]) if numbers else np.full(len(skin.vertices), np.inf)
+                distances.to_nearest(self.sites.vertices[list(numbers)]) if numbers else nowhere
                 for numbers in self.sites.regions.values()
             ]
         )
@@ -222,16 +229,23 @@ class RegionDeformer:
 
     def _matrix(self, points: Floats, shares: Floats) -> Floats:
         total = np.zeros((len(points), len(self.sites.names)))
-        for (name, members), share in zip(self.sites.regions.items(), shares, strict=True):
+        for (centres, chosen, solved), share in zip(self._fields, shares, strict=True):
             moved = np.flatnonzero(share > 0)
-            if not len(moved) or not members:
-                continue
-            hidden = {m for other in self.sites.without[name] for m in self.sites.regions[other]} - set(members)
-            heard = np.array([m for m in range(len(self.sites.names)) if m not in hidden])
-            places, chosen = _apart(self._centres[heard], heard)
-            rows = interpolation_matrix(np.vstack([places, self._anchors]), points[moved])[:, : len(chosen)]
-            total[np.ix_(moved, chosen)] += share[moved, None] * rows
+            if len(moved) and len(chosen):
+                reach = np.hstack([_basis(points[moved], centres, SOFTNESS), np.ones((len(moved), 1))])
+                total[np.ix_(moved, chosen)] += share[moved, None] * (reach @ solved)
         return total
+
+    def _field(self, region: str) -> tuple[Floats, Ints, Floats]:
+        """Centres of a region's interpolation, the markers among them, and what takes these to coefficients."""
+        members = self.sites.regions[region]
+        if not members:
+            return np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros((1, 0))
+        hidden = {m for other in self.sites.without[region] for m in self.sites.regions[other]} - set(members)
+        heard = np.array([m for m in range(len(self.sites.names)) if m not in hidden])
+        places, chosen = _apart(self._centres[heard], heard)
+        centres = np.vstack([places, self._anchors])
+        return centres, chosen, _solved(centres, SOFTNESS)[:, : len(chosen)]
 
     def _resting_points(self, skin: Part, distance: Floats) -> Floats:
         """Points spread over the skin that no marker reaches (farthest-point sampling)."""
@@ -261,19 +275,21 @@ def face_by_regions(face: Face, sites: MarkerSites | None = None) -> Face:
     """
     deformer = RegionDeformer(face, sites)
     skin = face.part(deformer.sites.part)
-    names = sorted({name for part in face.parts for name in part.targets})
-    made: dict[str, dict[str, Target]] = {name: {} for name in deformer.matrices}
-    for name in names:
+    displaced: dict[str, NDArray[np.float32]] = {}
+    for name in sorted(skin.targets):
         dense = np.zeros((len(skin.vertices), 3), dtype=np.float32)
-        if name in skin.targets:
-            np.add.at(dense, skin.targets[name].vertices, skin.targets[name].offsets)
-        displaced = dense[deformer.sites.vertices]
-        if not displaced.any():
-            continue
-        for part, offsets in deformer.offsets(displaced).items():
+        np.add.at(dense, skin.targets[name].vertices, skin.targets[name].offsets)
+        if dense[deformer.sites.vertices].any():
+            displaced[name] = dense[deformer.sites.vertices]
+    made: dict[str, dict[str, Target]] = {name: {} for name in deformer.matrices}
+    asked = np.concatenate([*displaced.values(), np.zeros((len(deformer.sites.names), 0), np.float32)], axis=1)
+    for part, matrix in deformer.matrices.items():
+        moving = matrix @ asked  # all channels in one product
+        for number, name in enumerate(displaced):
+            offsets = np.ascontiguousarray(moving[:, 3 * number : 3 * number + 3])
             moved = np.flatnonzero(np.abs(offsets).max(axis=1) > _SMALLEST)
             if len(moved):
-                made[part][name] = Target(moved.astype(np.int32), offsets[moved].astype(np.float32))
+                made[part][name] = Target(moved.astype(np.int32), offsets[moved])
     return replace(
         face,
         tree=None,

@@ -23,9 +23,11 @@ from mien.errors import InputError
 from mien.face.face import Face
 from mien.face.marker_sites import place_markers
 from mien.face.parameter_tree import Parameter, ParameterTree
+from mien.face.posing import Poser
 from mien.face.regions import RegionDeformer, sites_of_layout
 from mien.face.retargeting import Retargeter, basis_at
 from mien.face.tree_of_face import translations_of, tree_of_face
+from mien.face.tree_posing import TreePoser
 from mien.models.learned_mouth import NOT_BY_MARKERS
 from mien.models.recorded_mouths import only_mouth, recorded_mouths
 
@@ -61,6 +63,7 @@ STAGES = (
 """Landmarks of MediaPipe's face mesh, by which layouts number their markers; those a layout lacks are passed over."""
 _MARGIN = 0.1  # seconds of the mouth before and after speech
 _HELD_OUT_EVERY = 10
+_LEAST_REMAINDER = 0.05  # mm
 _MOST_FRAMES = 400  # on which retargeting is compared
 
 
@@ -217,17 +220,23 @@ def _laid_on(model: ArticulatoryModel, face: Face) -> tuple[Floats, tuple[tuple[
     return np.asarray(linear, dtype=np.float64), placed.sites
 
 
-def articulatory_tree(model: ArticulatoryModel, face: Face, directions: int = 3) -> ParameterTree:
+def articulatory_tree(
+    model: ArticulatoryModel, face: Face, directions: int = 3, remainders: bool = True
+) -> ParameterTree:
     """A face's tree with the mouth moved by articulatory parameters instead of one leaf per channel.
 
     Parameters
     ----------
     model : ArticulatoryModel
     face : Face
-        On which the layout's places fit, or nearly.
+        Any on which `mien.face.marker_sites` can put the markers.
     directions : int
         Translations per parameter: 3 show a component exactly, 1 is the paper's "one translation parameter per
         principal component".
+    remainders : bool
+        Whether what the parameters cannot say of a channel (they were learned from speech: no smile is in them) moves
+        as a leaf of its own, so that every channel at 1 does what the face's target does. Without, channels move the
+        parameters alone.
 
     Notes
     -----
@@ -264,7 +273,29 @@ def articulatory_tree(model: ArticulatoryModel, face: Face, directions: int = 3)
         leaves += translations_of(f"articulation_{stage.name}", field, drives, HEAD[-1], directions)
     opening = model.loadings_[0].reshape(-1, 3) @ to_face.T
     skeleton = tree_of_face(bare).parameters
-    return ParameterTree((*(_following(parameter, model, opening, face) for parameter in skeleton), *leaves))
+    tree = ParameterTree((*(_following(parameter, model, opening, face) for parameter in skeleton), *leaves))
+    if not remainders:
+        return tree
+    return ParameterTree((*tree.parameters, *_remainders(tree, face, channels, directions)))
+
+
+def _remainders(tree: ParameterTree, face: Face, channels: Sequence[str], directions: int) -> list[Parameter]:
+    """For every channel, leaves for the part of its target that the tree misses at 1."""
+    plain = Poser(replace(face, tree=None), channels)
+    driven = TreePoser(replace(face, tree=tree), channels)
+    zero = np.zeros(len(channels))
+    begin, leaves = driven.pose(zero), []
+    for number, channel in enumerate(channels):
+        row = np.eye(len(channels))[number]
+        asked, got = plain.pose(row), driven.pose(row)
+        field = {}
+        for part, one, other, rest in zip(face.parts, asked.parts, got.parts, begin.parts, strict=True):
+            missed = (one.vertices - part.vertices).astype(np.float64) - (other.vertices - rest.vertices)
+            if np.abs(missed).max(initial=0.0) > _LEAST_REMAINDER:
+                field[part.name] = missed
+        if field:
+            leaves += translations_of(f"rest_{channel}", field, {channel: 1.0}, HEAD[-1], directions)
+    return leaves
 
 
 def _following(parameter: Parameter, model: ArticulatoryModel, opening: Floats, face: Face) -> Parameter:
