@@ -30,7 +30,8 @@ from mien.errors import InputError
 from mien.face.face import Face, Part
 
 __all__ = [
-    "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "load_marker_places", "place_markers", "skin_of", "warp_between",
+    "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "load_marker_places", "place_markers", "skin_of",
+    "warp_between",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
