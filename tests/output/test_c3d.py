@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import ezc3d
@@ -18,6 +19,7 @@ from mien.face.library import load_face
 from mien.face.marker_sites import load_marker_places, place_markers
 from mien.face.posing import Poser
 from mien.output.c3d import face_markers, write_c3d
+from mien.tracks import ChannelTrack
 from tests.faces import tiny_animation, tiny_face
 
 
@@ -68,10 +70,17 @@ def test_another_layout_and_no_sound(animation: Animation, tmp_path: Path) -> No
     assert read["data"]["analogs"].size == 0
 
 
-def test_a_face_without_any_hold_is_refused(animation: Animation, tmp_path: Path) -> None:
-    from dataclasses import replace
+def test_a_face_without_any_hold_is_replaced_and_that_is_said(animation: Animation, tmp_path: Path) -> None:
+    (note,) = write_c3d(animation, tiny_face(), tmp_path / "a.c3d")
+    assert note.kind == "warning"
+    assert "the markers are those of the default face" in note.message
+    write_c3d(animation, load_face(), tmp_path / "b.c3d")
+    assert (tmp_path / "a.c3d").read_bytes() == (tmp_path / "b.c3d").read_bytes()
 
-    bare = replace(tiny_face(), eyes=(), sites={}, parts=tuple(replace(part, targets={}) for part in tiny_face().parts))
-    with pytest.raises(InputError, match="points are known on it"):
-        write_c3d(animation, bare, tmp_path / "a.c3d")
+
+def test_an_animation_without_frames_is_refused(animation: Animation, tmp_path: Path) -> None:
+    none = ChannelTrack(animation.channels.names, animation.channels.values[:0], animation.rate)
+    empty = replace(animation, channels=none)
+    with pytest.raises(InputError, match="has no frames"):
+        write_c3d(empty, load_face(), tmp_path / "a.c3d")
     assert list(tmp_path.iterdir()) == []

@@ -114,8 +114,11 @@ def _check(options: argparse.Namespace) -> int:
     where = "" if face is None else f" on {options.mesh or options.face}"
     print(f"{options.config}: parameters: {len(config.drafts)}, no faults{where}")
     if face is not None:
+        from mien.face.mesh_check import mesh_notes
         from mien.face.tree_report import tree_report
 
+        for note in mesh_notes(face):
+            print(f"{options.mesh or options.face}: {note}")
         print(tree_report(config.on(vertices or {}), face))
     return 0
 

@@ -281,7 +281,11 @@ def _parent_faults(parameter: Parameter, by_name: Mapping[str, Parameter]) -> li
 def _parents_first(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
     by_name = {parameter.name: parameter for parameter in parameters}
 
-    def depth(parameter: Parameter) -> int:
-        return 0 if parameter.parent is None else 1 + depth(by_name[parameter.parent])
-
-    return tuple(sorted(parameters, key=depth))
+    depths: dict[str, int] = {}
+    for parameter in parameters:
+        chain = [parameter]  # walked, not recursed into: trees may be deeper than Python's stack
+        while chain[-1].parent is not None and chain[-1].name not in depths:
+            chain.append(by_name[chain[-1].parent])
+        for link in reversed(chain):
+            depths.setdefault(link.name, 0 if link.parent is None else 1 + depths[link.parent])
+    return tuple(sorted(parameters, key=lambda parameter: depths[parameter.name]))

@@ -27,6 +27,7 @@ __all__ = ["read_face", "write_face"]
 FORMAT = "mien-face-1"
 _STEP = 0.01  # mm
 _LARGEST = 327.0  # mm, what 16 bits hold at that step
+_SIDES = ("Left", "Right")
 _UV_STEP = 1 / 65535
 
 Arrays = dict[str, NDArray[Any]]
@@ -161,7 +162,10 @@ def _unpack_part(facts: Mapping[str, Any], arrays: Arrays) -> Part:
 
 
 def _faults(face: Face) -> list[str]:
-    faults = []
+    names = [part.name for part in face.parts]
+    faults = [f"part {name!r} is there twice" for name in sorted({n for n in names if names.count(n) > 1})]
+    if not names:
+        faults.append("it has no parts")
     sizes = {part.name: len(part.vertices) for part in face.parts}
     for part in face.parts:
         n = sizes[part.name]
@@ -172,8 +176,15 @@ def _faults(face: Face) -> list[str]:
         if part.triangles.size and not 0 <= part.triangles.min() <= part.triangles.max() < n:
             faults.append(f"part {part.name!r}: a triangle names a vertex beyond the {n} there are")
         for name, target in part.targets.items():
-            if len(target.vertices) != len(target.offsets) or target.vertices.max(initial=-1) >= n:
+            reach = target.vertices.min(initial=0) < 0 or target.vertices.max(initial=-1) >= n
+            if len(target.vertices) != len(target.offsets) or reach:
                 faults.append(f"part {part.name!r}: target {name!r} does not fit its vertices")
     faults += [f"eye {eye.part!r} is no part" for eye in face.eyes if eye.part not in sizes]
+    faults += [
+        f"eye {eye.part!r}: its side is {eye.side!r}, not Left or Right" for eye in face.eyes if eye.side not in _SIDES
+    ]
+    numbers = [*face.head_pivot, *(value for eye in face.eyes for value in eye.centre)]
+    if len(face.head_pivot) != 3 or any(len(eye.centre) != 3 for eye in face.eyes) or not np.isfinite(numbers).all():
+        faults.append("the head's pivot and the eyes' centres are three finite numbers each")
     faults += [f"site {s!r} is on no vertex" for s, (part, v) in face.sites.items() if not 0 <= v < sizes.get(part, 0)]
     return faults

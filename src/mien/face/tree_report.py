@@ -11,6 +11,8 @@ from mien.face.parameter_tree import ParameterTree
 
 __all__ = ["tree_report"]
 
+_UNEVEN = 0.01
+
 
 def tree_report(tree: ParameterTree, face: Face) -> str:
     """One line per parameter, its children set in; then what is claimed and what drives nothing we know.
@@ -44,7 +46,28 @@ def tree_report(tree: ParameterTree, face: Face) -> str:
         int(np.count_nonzero(tree.skeletal_weights(part.name, len(part.vertices)).sum(axis=0))) for part in face.parts
     )
     lines.append(f"claimed by skeletal parameters: {claimed} of {total} vertices; the others stay in stage 1")
+    lines += _uneven(tree, face)
     strange = sorted(name for name in tree.driven_by if name not in ALL and not is_unit(name))
     if strange:
         lines.append(f"driven by names that are no channels or action units: {', '.join(strange)}")
     return "\n".join(lines)
+
+
+def _uneven(tree: ParameterTree, face: Face) -> list[str]:
+    """Where skeletal weights do not sum to 1: they are normalised, which may not be what their author meant."""
+    found = []
+    for part in face.parts:
+        total = np.zeros(len(part.vertices))
+        for parameter in tree.parameters:
+            if parameter.skeletal and part.name in parameter.influences:
+                influence = parameter.influences[part.name]
+                total[influence.vertices] += influence.weights
+        off = np.abs(total - 1)
+        off[total == 0] = 0
+        if off.max(initial=0.0) > _UNEVEN:
+            worst = int(np.argmax(off))
+            found.append(
+                f"part {part.name!r}: skeletal weights of {int((off > _UNEVEN).sum())} vertices do not sum to 1 and "
+                f"are normalised, the farthest off {total[worst]:.2f} at vertex {worst}"
+            )
+    return found

@@ -19,6 +19,7 @@ from mien.channels import WEIGHTS
 from mien.errors import InputError, Note
 from mien.face.deformers import poser_for
 from mien.face.face import Face
+from mien.face.library import load_face
 from mien.face.marker_sites import load_marker_places, place_markers
 from mien.files import replace_when_complete
 from mien.tracks import MarkerTrack
@@ -74,6 +75,7 @@ def write_c3d(
     ----------
     animation : Animation
     face : Face
+        One on which the markers find no place is replaced by the default face, and a note says so.
     path : path-like
     layout : str
         Which markers.
@@ -83,7 +85,7 @@ def write_c3d(
     Raises
     ------
     InputError
-        If the animation has no frames, or the markers cannot be put on the face.
+        If the animation has no frames.
     OutputError
         If the file cannot be written.
     """
@@ -91,7 +93,12 @@ def write_c3d(
 
     if len(animation.channels) == 0:
         raise InputError(f"cannot write {path}: the animation has no frames")
-    markers = face_markers(animation, face, layout)
+    notes: tuple[Note, ...] = ()
+    try:
+        markers = face_markers(animation, face, layout)
+    except InputError as problem:
+        notes = (Note("warning", f"{problem}; the markers are those of the default face"),)
+        markers = face_markers(animation, load_face(), layout)
     file = ezc3d.c3d()
     point = file["parameters"]["POINT"]
     point["RATE"]["value"] = [markers.rate.fps]
@@ -102,7 +109,6 @@ def write_c3d(
     file["data"]["points"] = np.concatenate(
         [markers.positions.transpose(2, 1, 0), np.ones((1, len(markers.names), len(markers)))]
     )
-    notes: tuple[Note, ...] = ()
     if sound:
         samples, rate = _sound(animation, len(markers))
         file["parameters"]["ANALOG"]["RATE"]["value"] = [rate]
@@ -114,7 +120,7 @@ def write_c3d(
     file.add_parameter("MIEN", "SOUND_SECONDS", [float(animation.utterance.duration)])
     file.add_parameter("MIEN", "LAYOUT", [layout])
     if len(markers) > _COUNTED:
-        notes = (Note("warning", f"{Path(path).name}: a C3D header counts {_COUNTED} frames, this one has more"),)
+        notes += (Note("warning", f"{Path(path).name}: a C3D header counts {_COUNTED} frames, this one has more"),)
     with tempfile.TemporaryDirectory() as folder:  # the library opens no path beyond ASCII on every system
         made = Path(folder) / "a.c3d"
         file.write(str(made))
