@@ -103,3 +103,12 @@ def test_a_take_is_exported_on_a_rig(client: Client) -> None:
     told = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".glb"], "rig": rig}))
     assert client.ask("GET", told["file"]).body[:4] == b"glTF"
     assert client.ask("POST", f"/api/takes/{take}/export", {"formats": [".glb"], "rig": "x"}).status == 404
+
+
+def test_the_mesh_is_the_face_at_rest(client: Client) -> None:
+    from base64 import b64decode
+
+    told = client.ask("GET", "/api/rigs/default/mesh").json
+    for one, part in zip(told["parts"], load_face("default").parts, strict=True):
+        assert np.array_equal(np.frombuffer(b64decode(one["vertices"]), "<f4").reshape(-1, 3), part.vertices)
+        assert np.array_equal(np.frombuffer(b64decode(one["triangles"]), "<u4").reshape(-1, 3), part.triangles)

@@ -195,3 +195,27 @@ def test_faults_of_a_layer_are_told_with_their_place(client: Client, take: str) 
     assert "jawOpen" in answer.json["error"]
     assert "edits[0]" in answer.json["error"]
     assert answer.json["field"] == "edits"
+
+
+def test_without_emotions_the_borders_stay_moved(client: Client) -> None:
+    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE))
+    calm = client.take(text=LINE, fps=30)
+    client.ask("PUT", f"/api/takes/{calm}/edits", edits(BORDER))
+    assert np.array_equal(frames(client, take, "?neutral=1"), frames(client, calm))
+
+
+def test_a_video_is_seen_from_where_the_page_sees_it(client: Client, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    import av
+
+    take = client.take(text="Hi.", performer="authored", voice="espeak", fps=5)
+    pictures = []
+    for asked in ({}, {"camera": "profile", "light": "dramatic"}):
+        told = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".mp4"], **asked}))
+        (tmp_path / "line.mp4").write_bytes(client.ask("GET", told["file"]).body)
+        with av.open(str(tmp_path / "line.mp4")) as video:
+            pictures.append(next(video.decode(video=0)).to_ndarray(format="rgb24").mean())
+    assert pictures[1] < pictures[0] / 2
+    assert (
+        client.ask("POST", f"/api/takes/{take}/export", {"formats": [".mp4"], "camera": "up"}).json["field"] == "camera"
+    )

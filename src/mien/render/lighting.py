@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.errors import unknown_name
 from mien.render.colour import linear_from_srgb
 
-__all__ = ["Lighting"]
+__all__ = ["Lighting", "known_lightings"]
 
 Floats = NDArray[np.float32]
 
@@ -56,7 +57,25 @@ class Lighting:
         >>> Lighting.portrait().directions.shape
         (11, 3)
         """
-        text = resources.files("mien").joinpath("assets/render/portrait.toml").read_text("utf-8")
+        return cls.named("portrait")
+
+    @classmethod
+    def named(cls, name: str) -> Lighting:
+        """A lighting that comes with mien, from the table of its name in ``assets/render``; all authored by eye.
+
+        Raises
+        ------
+        InputError
+            If there is none of this name.
+
+        Examples
+        --------
+        >>> Lighting.named("soft").exposure
+        1.0
+        """
+        if name not in known_lightings():
+            raise unknown_name("lighting", name, known_lightings())
+        text = (resources.files("mien") / "assets" / "render" / f"{name}.toml").read_text("utf-8")
         return cls._from_table(tomllib.loads(text))
 
     @classmethod
@@ -92,3 +111,16 @@ def _spread(count: int) -> NDArray[np.float64]:
 def _sky_colour(directions: NDArray[np.float64], sky: Floats) -> NDArray[np.float64]:
     up = directions[:, 1:2]
     return np.asarray(np.where(up > 0, sky[1] + up * (sky[0] - sky[1]), sky[1] - up * (sky[2] - sky[1])), np.float64)
+
+
+def known_lightings() -> tuple[str, ...]:
+    """Names of the lightings that come with mien, the usual one first.
+
+    Examples
+    --------
+    >>> known_lightings()
+    ('portrait', 'dramatic', 'even', 'soft')
+    """
+    folder = resources.files("mien") / "assets" / "render"
+    names = sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
+    return tuple(sorted(names, key=lambda name: name != "portrait"))

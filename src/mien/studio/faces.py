@@ -82,8 +82,8 @@ class FaceShelf:
         """A face as GLB; raises `mien.studio.keeping.Missing`."""
         return self.default_glb() if name == DEFAULT_FACE else self._foreign.get(name).path.read_bytes()
 
-    def to_write(self, name: object) -> str | Path:
-        """What `mien.save` takes for a face of the page's; None is the shipped one.
+    def to_write(self, name: object) -> Path | None:
+        """The uploaded GLB of an id, to be driven; None for the shipped face, which is None or ``"default"``.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class FaceShelf:
             If there is none of this id.
         """
         if name is None or name == DEFAULT_FACE:
-            return DEFAULT_FACE
+            return None
         if not isinstance(name, str) or name not in self._foreign:
             raise FieldError("face", "there is no such face (any more): open the GLB again")
         return self._foreign.get(name).path

@@ -12,7 +12,7 @@ __all__ = ["MISSING", "load_page", "media_type"]
 MISSING = """<!doctype html><meta charset="utf-8"><title>mien studio</title>
 <h1>The studio's page is not in this installation</h1>
 <p>The server works (<a href="/api/about">/api/about</a>), but <code>mien/assets/studio/index.html</code> is missing.
-In a clone, build it with <code>make studio</code> (wants Node); from a wheel, install mien again.</p>
+In a clone, build it with <code>make page</code> (wants Node); from a wheel, install mien again.</p>
 """
 _TYPES = {
     ".js": "text/javascript",

@@ -18,8 +18,9 @@ from mien.studio.jobs import Job
 from mien.studio.keeping import Kept, new_id
 from mien.studio.requests import FieldError
 from mien.studio.settings import Limits
+from mien.studio.views import Shown
 
-__all__ = ["ResultFile", "ResultShelf", "checked_formats", "file_stem"]
+__all__ = ["Export", "ResultFile", "ResultShelf", "checked_formats", "file_stem"]
 
 
 @dataclass(frozen=True)
@@ -49,21 +50,21 @@ class ResultShelf:
         """A result by its id; raises `mien.studio.keeping.Missing`."""
         return self._files.get(name)
 
-    def export(
-        self, animation: Animation, formats: Sequence[str], face: str | Path | Face, job: Job
-    ) -> tuple[str, str]:
+    def export(self, animation: Animation, export: Export, job: Job) -> tuple[str, str]:
         """Write an animation in some formats; gives the id and the name of the file, a .zip if there are several.
 
         Raises
         ------
         InputError
-            If a format cannot be written, for instance a video of a foreign GLB.
+            If a format cannot be written.
         """
         folder = self._folder / new_id()
         folder.mkdir()
         try:
-            made = [self._written(animation, suffix, folder, face, job, n, len(formats)) for n, suffix in
-                    enumerate(formats)]  # fmt: skip
+            made = [
+                _written(animation, folder / f"{file_stem(animation)}{suffix}", export, _Steps(job, n, export.formats))
+                for n, suffix in enumerate(export.formats)
+            ]
             result = made[0] if len(made) == 1 else _zipped(made, folder / f"{file_stem(animation)}.zip")
             job.at("done", 1.0)
             size = sum(path.stat().st_size for path in folder.iterdir())
@@ -72,23 +73,51 @@ class ResultShelf:
             shutil.rmtree(folder, ignore_errors=True)
             raise
 
-    @staticmethod
-    def _written(
-        animation: Animation, suffix: str, folder: Path, face: str | Path | Face, job: Job, number: int, count: int
-    ) -> Path:
-        path = folder / f"{file_stem(animation)}{suffix}"
-        job.at(f"writing {suffix}", number / count)
 
-        def progress(done: int, total: int) -> None:
-            job.at(f"writing {suffix}", (number + done / total) / count)
+@dataclass(frozen=True)
+class Export:
+    """What is to be written.
 
-        try:
-            api.save(animation, path, face=face, progress=progress)
-        except InputError as problem:
-            told = str(problem).replace(str(path), path.name)
-            told = told.replace(str(face), "the face") if isinstance(face, Path) else told
-            raise InputError(told) from problem
-        return path
+    Attributes
+    ----------
+    face : Face or Path
+        One of mien's, or a GLB of another maker.
+    shown : Shown
+        Camera and light of a video.
+    formats : sequence of str
+    """
+
+    face: Face | Path
+    shown: Shown
+    formats: Sequence[str]
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """Tells a job how far the writing of one of its formats is."""
+
+    job: Job
+    number: int
+    formats: Sequence[str]
+
+    def __call__(self, done: int, total: int) -> None:
+        self.job.at(f"writing {self.formats[self.number]}", (self.number + done / total) / len(self.formats))
+
+
+def _written(animation: Animation, path: Path, export: Export, steps: _Steps) -> Path:
+    steps(0, 1)
+    try:
+        if path.suffix == ".mp4" and isinstance(export.face, Face):
+            from mien.output.video import write_video
+
+            write_video(animation, export.face, path, progress=steps, renderer=export.shown.renderer(export.face))
+        else:
+            api.save(animation, path, face=export.face, progress=steps)
+    except InputError as problem:
+        told = str(problem).replace(str(path), path.name)
+        told = told.replace(str(export.face), "the face") if isinstance(export.face, Path) else told
+        raise InputError(told) from problem
+    return path
 
 
 def checked_formats(asked: object) -> tuple[str, ...]:

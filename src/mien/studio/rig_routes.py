@@ -32,6 +32,7 @@ class RigRoutes:
             [
                 web.get("/api/rigs/{id}.txt", self.text),
                 web.get("/api/rigs/{id}", self.rig),
+                web.get("/api/rigs/{id}/mesh", self.mesh),
                 web.get("/api/rigs/{id}/influence", self.influence),
                 web.post("/api/rigs/check", self.check),
                 web.post("/api/rigs/{id}/pose", self.pose),
@@ -60,6 +61,11 @@ class RigRoutes:
         """What every parameter moves, vertex by vertex."""
         async with self._turn:
             content = await asyncio.to_thread(lambda: _json(self.rigs.influence(request.match_info["id"])))
+        return web.Response(body=content, content_type="application/json")
+
+    async def mesh(self, request: web.Request) -> web.Response:
+        """The face that the trees move, at rest."""
+        content = await asyncio.to_thread(lambda: self.rigs.mesh)
         return web.Response(body=content, content_type="application/json")
 
     async def check(self, request: web.Request) -> web.Response:

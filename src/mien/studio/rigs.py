@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from base64 import b64encode
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from threading import RLock
@@ -131,6 +132,19 @@ class RigShelf:
     def influence(self, name: str) -> dict[str, Any]:
         """What every parameter moves, vertex by vertex."""
         return influence_data(self.get(name).tree)
+
+    @cached_property
+    def mesh(self) -> bytes:
+        """The face at rest as JSON: for each part its vertices (float32, mm) and triangles (uint32), base64."""
+
+        def packed(values: Any, kind: str) -> str:
+            return b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+
+        parts = [
+            {"name": part.name, "vertices": packed(part.vertices, "<f4"), "triangles": packed(part.triangles, "<u4")}
+            for part in self.face.parts
+        ]
+        return json.dumps({"parts": parts}).encode()
 
     def posed(self, name: str, values: object) -> bytes:
         """Vertices under parameter values, part after part as `parts` lists them: float32, little-endian, mm.

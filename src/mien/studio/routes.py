@@ -20,6 +20,7 @@ from mien.studio.results import checked_formats
 from mien.studio.settings import Limits
 from mien.studio.sounds import read_sound
 from mien.studio.takes import Take
+from mien.studio.views import Shown
 from mien.studio.workshop import Workshop
 
 __all__ = ["Routes"]
@@ -38,6 +39,7 @@ class Routes:
     def __init__(self, workshop: Workshop) -> None:
         self.shop, self.limits = workshop, workshop.limits
         self._page = load_page()
+        self._turn = asyncio.Semaphore(self.limits.workers)  # what is quick, but not nothing
 
     def add_to(self, app: web.Application) -> None:
         """Add all routes to an application."""
@@ -125,7 +127,9 @@ class Routes:
     async def frames(self, request: web.Request) -> web.Response:
         """All frames, float32."""
         _, take = self._take(request)
-        revision, content = await asyncio.to_thread(take.frames, "plain" in request.query)
+        kind = next((kind for kind in ("neutral", "plain") if kind in request.query), "")
+        async with self._turn:
+            revision, content = await asyncio.to_thread(take.frames, kind)
         headers = {"X-Mien-Revision": str(revision), "Cache-Control": "no-cache"}
         return web.Response(body=content, content_type="application/octet-stream", headers=headers)
 
@@ -139,7 +143,8 @@ class Routes:
         """Put a layer of edits on the take."""
         name, take = self._take(request)
         layer = checked_layer(await read_json(request, self.limits), self.limits)
-        revision, changed = await asyncio.to_thread(self.shop.edit, name, layer)
+        async with self._turn:
+            revision, changed = await asyncio.to_thread(self.shop.edit, name, layer)
         told = take.plain(name)
         return web.json_response(
             {"revision": revision, "frames_changed": changed, "lost": told["lost"], "take": told},
@@ -160,7 +165,8 @@ class Routes:
         """Write the take into files."""
         name, _ = self._take(request)
         asked = await read_json(request, self.limits)
-        return _accepted(self.shop.start_export(name, checked_formats(asked.get("formats")), asked))
+        formats = checked_formats(asked.get("formats"))
+        return _accepted(self.shop.start_export(name, formats, Shown.of(asked)))
 
     # ------------------------------------------------------------ jobs and files
 

@@ -77,6 +77,12 @@ class Basis:
         utterance, seed = self.spoken.utterance, self.request.seed
         return perform_under(utterance, self.score, self.performer, self.rate, seed, layer)
 
+    def neutral(self, layer: EditLayer) -> Animation:
+        """The performance with a layer's borders, without any emotion and without curves."""
+        calm = replace(layer, edits=tuple(edit for _, edit in layer.borders), emotions=())
+        score = replace(self.score, emotions=())
+        return perform_under(self.spoken.utterance, score, self.performer, self.rate, self.request.seed, calm)
+
     def with_layer(self, under: Animation, layer: EditLayer) -> Animation:
         """A performance of `under` with another layer of the same borders and intensities."""
         utterance = self.spoken.utterance
@@ -120,10 +126,15 @@ class Take:
         held = 0 if markers is None else markers.positions.nbytes
         return 2 * self.animation.channels.values.nbytes + held + self.animation.utterance.audio.samples.nbytes
 
-    def frames(self, plain: bool = False) -> tuple[int, bytes]:
-        """The revision, and all its frames as float32, little-endian, frame by frame in the order of the channels."""
+    def frames(self, kind: str = "") -> tuple[int, bytes]:
+        """The revision, and all its frames as float32, little-endian, frame by frame in the order of the channels.
+
+        ``kind``: ``"plain"`` leaves out the curves of edited channels, ``"neutral"`` those and all emotions.
+        """
         with self.lock:
-            revision, shown = self.revision, self.under if plain else self.animation
+            revision, shown, layer = self.revision, self.under if kind == "plain" else self.animation, self.layer
+        if kind == "neutral":
+            shown = self.basis.neutral(layer)
         return revision, shown.channels.values.astype("<f4").tobytes()
 
     def sound(self) -> bytes:

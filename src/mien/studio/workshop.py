@@ -23,6 +23,7 @@ from mien.edits import EMPTY, EditLayer, line_of
 from mien.edits.emotions import asked_emotions
 from mien.errors import Note
 from mien.face.deformers import with_tree
+from mien.face.library import load_face
 from mien.models.authored_prosody import AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
@@ -33,10 +34,11 @@ from mien.studio.faces import DEFAULT_FACE, FaceShelf
 from mien.studio.jobs import Job, JobPool
 from mien.studio.keeping import Kept
 from mien.studio.requests import FieldError, TakeRequest
-from mien.studio.results import ResultShelf
+from mien.studio.results import Export, ResultShelf
 from mien.studio.rigs import RigShelf
 from mien.studio.settings import Limits
 from mien.studio.takes import Basis, Source, Take
+from mien.studio.views import Shown
 
 __all__ = ["Workshop"]
 
@@ -90,19 +92,19 @@ class Workshop:
         layer = take.layer
         return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job, layer))})
 
-    def start_export(self, name: str, formats: Sequence[str], asked: dict[str, Any]) -> str:
+    def start_export(self, name: str, formats: Sequence[str], shown: Shown) -> str:
         """Queue the writing of files."""
         animation = self.takes.get(name).animation
-        face = self.faces.to_write(asked.get("face"))
-        rig = asked.get("rig")
-        if rig is not None:
-            if face != DEFAULT_FACE or not isinstance(rig, str):
-                raise FieldError("rig", "a rig moves the default face: leave 'face' out")
-            tree = self.rigs.get(rig).tree
+        foreign = self.faces.to_write(shown.face)
+        if shown.rig is not None and (foreign is not None or not isinstance(shown.rig, str)):
+            raise FieldError("rig", "a rig moves the default face: leave 'face' out")
+        tree = None if shown.rig is None else self.rigs.get(str(shown.rig)).tree
 
         def work(job: Job) -> dict[str, Any]:
-            shown = face if rig is None else with_tree(self.rigs.face, tree)
-            made, called = self.results.export(animation, formats, shown, job)
+            job.at("face")
+            own = load_face(DEFAULT_FACE) if tree is None else with_tree(self.rigs.face, tree)
+            export = Export(own if foreign is None else foreign, shown, formats)
+            made, called = self.results.export(animation, export, job)
             return {"file": f"/api/files/{made}/{called}"}
 
         return self.jobs.start(work)
