@@ -80,3 +80,21 @@ def test_cancelled_before_and_while_it_runs(pool):
             time.sleep(0.005)
     assert over(pool, name).state == "done"
     assert not reached
+
+
+def test_closing_does_not_wait_for_what_cannot_be_interrupted():
+    pool, go, started = JobPool(Limits(workers=1)), threading.Event(), threading.Event()
+
+    def deaf(job):
+        started.set()
+        go.wait(60)
+        return {}
+
+    name = pool.start(deaf)
+    assert started.wait(10)
+    assert not pool.close(patience=0.05)
+    assert pool.get(name).state == "cancelled"
+    with pytest.raises(Busy):
+        pool.start(lambda job: {})
+    go.set()
+    assert pool.close(10)

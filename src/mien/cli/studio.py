@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import os
 import signal
+import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mien.studio.settings import StudioSettings
+    from mien.studio.workshop import Workshop
 
 __all__ = ["add_command"]
 
@@ -22,34 +25,38 @@ def add_command(commands: Any) -> None:
     studio.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
     studio.add_argument("--token", help="clients must give it; needed with another --host")
     studio.add_argument("--name", action="append", default=[], help="further name of this machine (repeatable)")
-    studio.add_argument("--quiet", action="store_true", help="say nothing but errors and the address")
     studio.set_defaults(run=_studio)
 
 
 def _studio(options: argparse.Namespace) -> int:
     from mien.studio.settings import StudioSettings
+    from mien.studio.workshop import Workshop
 
     settings = StudioSettings(options.host, options.port, options.token, tuple(options.name))
-    asyncio.run(_serve(settings, options))
+    workshop = Workshop(settings.limits)
+    try:
+        asyncio.run(_serve(settings, workshop, options))
+    finally:
+        ended = workshop.close()
+    if not ended:  # a voice is in the middle of a text; Python's own way out would abort with it
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)
     return 0
 
 
-async def _serve(settings: StudioSettings, options: argparse.Namespace) -> None:
+async def _serve(settings: StudioSettings, workshop: Workshop, options: argparse.Namespace) -> None:
     from mien.studio.server import running_studio
-    from mien.studio.workshop import Workshop
 
-    workshop, stop = Workshop(settings.limits), asyncio.Event()
+    stop = asyncio.Event()
     _stop_on_signals(stop)
-    try:
-        async with running_studio(settings, workshop) as port:
-            address = settings.address(port)
-            print(f"the studio is open at {address}  (Ctrl-C closes it)", flush=True)
-            workshop.jobs.start(workshop.warm_up)
-            if not options.no_browser:
-                await asyncio.to_thread(_open_browser, address)
-            await stop.wait()
-    finally:
-        workshop.close()
+    async with running_studio(settings, workshop) as port:
+        address = settings.address(port)
+        print(f"the studio is open at {address}  (Ctrl-C closes it)", flush=True)
+        workshop.jobs.start(workshop.warm_up)
+        if not options.no_browser:
+            await asyncio.to_thread(_open_browser, address)
+        await stop.wait()
 
 
 def _stop_on_signals(stop: asyncio.Event) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from threading import Lock
+from queue import SimpleQueue
+from threading import Lock, Thread
 from typing import Any
 
 from mien.errors import MienError
@@ -86,51 +87,74 @@ class Job:
         return told
 
 
+Work = Callable[[Job], dict[str, Any]]
+"""Some work: given its job, to tell where it is; gives what `Job.result` becomes."""
+
+
 class JobPool:
     """Runs jobs in threads.
 
-    The heavy work is in compiled code that lets other threads run, so the event loop goes on answering.
+    The heavy work is in compiled code that lets other threads run, so the event loop goes on answering. The threads do
+    not keep the program alive: a voice that is in the middle of a long text cannot be interrupted, only left behind.
     """
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
-        self._pool = ThreadPoolExecutor(limits.workers, thread_name_prefix="studio-job")
         self._jobs: Kept[Job] = Kept("job", limits.jobs_kept + limits.jobs_waiting + limits.workers)
-        self._lock, self._open = Lock(), 0
+        self._queue: SimpleQueue[tuple[Job, Work] | None] = SimpleQueue()
+        self._lock, self._open, self._closed = Lock(), 0, False
+        self._threads = [
+            Thread(target=self._work_on, name=f"studio-job-{number}", daemon=True) for number in range(limits.workers)
+        ]
+        for thread in self._threads:
+            thread.start()
 
-    def start(self, work: Callable[[Job], dict[str, Any]]) -> str:
+    def start(self, work: Work) -> str:
         """Queue some work; returns the job's id.
 
         Raises
         ------
         Busy
-            If too many wait already.
+            If too many wait already, or the studio closes.
         """
         job = Job()
         with self._lock:
+            if self._closed:
+                raise Busy("the studio is closing")
             if self._open >= self._limits.workers + self._limits.jobs_waiting:
                 raise Busy(f"{self._open} jobs run or wait already: wait for one to end, or cancel it")
             self._open += 1
-        name = self._jobs.put(job)
-        self._pool.submit(self._run, job, work).add_done_callback(self._ended)
+            name = self._jobs.put(job)
+            self._queue.put((job, work))
         return name
 
     def get(self, name: str) -> Job:
         """The job of an id; raises `mien.studio.keeping.Missing`."""
         return self._jobs.get(name)
 
-    def close(self) -> None:
-        """Cancel what runs and waits; returns when the workers have stopped."""
+    def close(self, patience: float = 2.0) -> bool:
+        """Cancel what runs and waits; whether all of it has ended, or something is left behind after ``patience`` s."""
+        with self._lock:
+            self._closed = True
         for job in self._jobs:
             job.cancel()
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        for _ in self._threads:
+            self._queue.put(None)
+        until = time.monotonic() + patience
+        for thread in self._threads:
+            thread.join(max(0.0, until - time.monotonic()))
+        return not any(thread.is_alive() for thread in self._threads)
 
-    def _ended(self, _: Future[None]) -> None:
-        with self._lock:
-            self._open -= 1
+    def _work_on(self) -> None:
+        while (asked := self._queue.get()) is not None:
+            try:
+                self._run(*asked)
+            finally:
+                with self._lock:
+                    self._open -= 1
 
     @staticmethod
-    def _run(job: Job, work: Callable[[Job], dict[str, Any]]) -> None:
+    def _run(job: Job, work: Work) -> None:
         try:
             if job.over:
                 return

@@ -65,10 +65,11 @@ class Workshop:
         self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
         self._lock = RLock()
 
-    def close(self) -> None:
-        """Stop all jobs and remove everything from the disk."""
-        self.jobs.close()
+    def close(self) -> bool:
+        """Stop all jobs and remove everything from the disk; whether every job has ended (`JobPool.close`)."""
+        ended = self.jobs.close()
         shutil.rmtree(self.folder, ignore_errors=True)
+        return ended
 
     def warm_up(self, job: Job) -> dict[str, Any]:
         """Load what the first line needs: the face, the performer, the voice."""
