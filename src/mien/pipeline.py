@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mien import channels
 from mien.animation import Animation, Provenance
+from mien.errors import Note
 from mien.models.authored_mouth import AuthoredMouth
 from mien.models.authored_singing import sing
 from mien.models.performer import Performer
@@ -88,7 +89,7 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     Returns
     -------
     Animation
-        The same frames, sound and markers.
+        The same frames, sound and markers; edits by hand cannot be taken off it any more.
     """
     random, rate, motion = np.random.default_rng(seed), animation.rate, animation.channels.select(channels.ALL).values
     duration = len(motion) / rate.fps
@@ -102,11 +103,15 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     values = motion + felt
     values[:, _BLINK] = 1 - (1 - motion[:, _BLINK]) * (1 - np.clip(felt[:, _BLINK], 0, 1))
     values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    told = "the edits by hand are part of the motion now: the expression lies over them"
     return replace(
         animation,
         channels=ChannelTrack(channels.ALL, values, rate),
         score=replace(animation.score, emotions=animation.score.emotions + score.emotions),
-        notes=animation.notes + performer.expression.notes(score),
+        notes=animation.notes
+        + performer.expression.notes(score)
+        + ((Note("note", told),) if animation.edits is not None else ()),
+        edits=None,
     )
 
 

@@ -32,6 +32,7 @@ from mien.models.expression import NEUTRAL, Expression, weights_of
 from mien.models.marker_channels import MarkerChannels
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
+from mien.modules.edit import recoloured_under_edits
 from mien.pipeline import express, perform
 from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import PAUSE, Utterance
@@ -70,7 +71,7 @@ def recolor(
     Returns
     -------
     Animation
-        Its markers, which are of the mouth alone, stay as they are.
+        Its markers, which are of the mouth alone, stay as they are; a layer of edits is laid on again.
 
     Raises
     ------
@@ -79,6 +80,8 @@ def recolor(
     """
     _check_way(way)
     span = EmotionSpan.parse(emotion) if isinstance(emotion, str) else emotion
+    if animation.edits is not None:  # what was edited by hand is laid on again, over the other emotion
+        return recoloured_under_edits(animation, span, lambda bare, drawn: recolor(bare, drawn, performer, way))
     actor = _performer(animation, performer)
     maps = _maps(actor, (NEUTRAL, span.name), way) if span.name != NEUTRAL else None
     if maps is None:

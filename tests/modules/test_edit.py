@@ -81,3 +81,26 @@ def test_any_layer_gives_motion_in_range_and_the_same_twice(layer):
     if one.edits is not None:
         utterance, score = unedited(one)
         assert perform_edited(utterance, score, PERFORMER, RATE, 7, one.edits.layer) == one
+
+
+def test_another_emotion_over_an_edited_animation_is_what_the_performer_makes_with_the_layer():
+    from mien.recolor import recolor
+
+    layer = performed(LAYER).edits.layer
+    changed = recolor(performed(LAYER), "sad", PERFORMER, "authored")
+    wanted = performed(layer, score=Score((EmotionSpan("sad"),)))
+    assert changed.score == wanted.score
+    assert np.allclose(changed.channels.values, wanted.channels.values, atol=0.05)
+    jaw = wanted.channels.channel("jawOpen") == pytest.approx(0.8)
+    assert np.array_equal(changed.channels.channel("jawOpen") == pytest.approx(0.8), jaw)
+    assert changed.edits.layer == layer
+    assert changed.edits.before.emotions == (EmotionSpan("sad"),)
+    assert unedited(changed)[0] == say(LINE)
+
+
+def test_an_expression_laid_over_takes_the_edits_in():
+    from mien.pipeline import express
+
+    animation = express(performed(LAYER), Score((EmotionSpan("sad", 0.5),)), PERFORMER)
+    assert animation.edits is None
+    assert any("part of the motion" in note.message for note in animation.notes)

@@ -15,6 +15,7 @@ from mien.speech.utterance import Utterance
 
 __all__ = ["asked_emotions", "found_points", "with_intensities"]
 
+_NEUTRAL = "neutral"
 _NEAREST = 1e-3
 """Seconds between two points of a curve; of nearer ones the later in the layer holds."""
 
@@ -55,7 +56,7 @@ def with_intensities(
     for number, edit in layer.intensities:
         emotion = _now(edit, layer, asked)
         if emotion is None or (known is not None and emotion not in known):
-            why = "is not asked for any more" if emotion is None else "is not among the performer's emotions"
+            why = "is not asked for any more" if emotion is None else "is not among the emotions that can be shown here"
             lost.append(Lost(number, None, f"{emotion or edit.emotion!r} {why}"))
             continue
         points = found_points(number, edit.points, places, lost)
@@ -76,7 +77,7 @@ def _now(edit: IntensityEdit, layer: EditLayer, asked: tuple[str, ...]) -> str |
     then = asked if layer.emotions is None else layer.emotions
     if edit.emotion in asked or edit.emotion not in then:
         return edit.emotion
-    return asked[0] if len(then) == len(asked) == 1 else None
+    return asked[0] if len(then) == len(asked) == 1 and asked[0] != _NEUTRAL else None
 
 
 def found_points(number: int, points: Points, places: Places, lost: list[Lost]) -> list[tuple[float, float]]:

@@ -7,6 +7,7 @@ curves       laid on the finished channels; no model is asked, so they are quick
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from mien.animation import Animation
@@ -14,15 +15,23 @@ from mien.edits.applied import AppliedEdits, Before, lost_notes
 from mien.edits.borders import with_borders
 from mien.edits.curves import with_curves
 from mien.edits.emotions import asked_emotions, with_intensities
-from mien.edits.layer import EditLayer
+from mien.edits.layer import BorderEdit, EditLayer
 from mien.edits.line import line_of
 from mien.models.performer import Performer
 from mien.pipeline import perform
-from mien.script.score import Score
+from mien.script.score import EmotionSpan, Score
 from mien.speech.utterance import Utterance
 from mien.timeline import FrameRate
+from mien.tracks import ChannelTrack
 
-__all__ = ["perform_edited", "perform_under", "unedited", "with_edited_channels"]
+__all__ = [
+    "perform_edited",
+    "perform_under",
+    "recoloured_under_edits",
+    "unedited",
+    "with_edited_channels",
+    "without_edited_channels",
+]
 
 
 def perform_edited(
@@ -65,6 +74,42 @@ def with_edited_channels(animation: Animation) -> Animation:
     lost = tuple(sorted((*animation.edits.lost, *lost), key=lambda loss: (loss.edit, loss.point or 0)))
     edits = AppliedEdits(layer, lost, replace(before, channels=channels))
     return replace(animation, channels=track, edits=edits, notes=(*animation.notes, *lost_notes(layer, lost)))
+
+
+def without_edited_channels(animation: Animation) -> Animation:
+    """The animation with its edited channels as they were under the curves, and no layer on it; borders stay moved."""
+    if animation.edits is None:
+        return animation
+    track, values = animation.channels, animation.channels.values.copy()
+    for name, before in animation.edits.before.channels.items():
+        values[:, track.names.index(name)] = before
+    told = lost_notes(animation.edits.layer, animation.edits.lost)
+    notes = tuple(note for note in animation.notes if note not in told)
+    return replace(animation, channels=ChannelTrack(track.names, values, track.rate), edits=None, notes=notes)
+
+
+def recoloured_under_edits(
+    animation: Animation, emotion: EmotionSpan, recolour: Callable[[Animation, EmotionSpan], Animation]
+) -> Animation:
+    """An edited animation in another emotion, its layer laid on again.
+
+    Parameters
+    ----------
+    animation : Animation
+        With edits.
+    emotion : EmotionSpan
+        Takes the place of all others.
+    recolour : callable
+        Given an animation without edits and the emotion as it was drawn, gives it in that emotion.
+    """
+    if animation.edits is None:
+        return recolour(animation, emotion)
+    layer, before = animation.edits.layer, animation.edits.before
+    score, lost, notes = with_intensities(layer, animation.utterance, Score((emotion,)), (emotion.name,))
+    changed = recolour(without_edited_channels(animation), score.emotions[0])
+    borders = tuple(loss for loss in animation.edits.lost if isinstance(layer.edits[loss.edit], BorderEdit))
+    edits = AppliedEdits(layer, (*borders, *lost), replace(before, emotions=(emotion,), channels={}))
+    return with_edited_channels(replace(changed, edits=edits, notes=(*changed.notes, *notes)))
 
 
 def unedited(animation: Animation) -> tuple[Utterance, Score]:
