@@ -46,9 +46,9 @@ export const LIGHTINGS: Readonly<Record<string, Lighting>> = {
 /** From where a face is seen: degrees around it and above it; the picture's height and its middle in heights of what moves. */
 export interface View { around: number; above: number; fill: number; height: number }
 export const VIEWS: Readonly<Record<string, View>> = {
-  portrait: { around: 0, above: 1, fill: 2.3, height: 0.62 },
-  'three-quarter': { around: 32, above: 3, fill: 2.3, height: 0.62 },
-  profile: { around: 82, above: 1, fill: 2.3, height: 0.62 },
+  portrait: { around: 0, above: 1, fill: 2.5, height: 0.66 },
+  'three-quarter': { around: 32, above: 3, fill: 2.5, height: 0.66 },
+  profile: { around: 82, above: 1, fill: 2.5, height: 0.66 },
   mouth: { around: 0, above: -2, fill: 0.75, height: 0.3 },
 };
 

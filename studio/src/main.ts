@@ -15,8 +15,21 @@ import { Tabs } from './tabs';
 import { transport } from './transport';
 import './style.css';
 
+/** For benchmarks and tests: how long pictures take, and what is shown. */
+interface Stats {
+  /** Milliseconds from picture to picture while the face plays, and of work for each on the page's thread. */
+  summary: Stage['times']['summary'];
+  reset: () => void;
+  intervals: readonly number[];
+  work: readonly number[];
+  /** The take and the frames that are shown. */
+  shown: () => { take: string; seconds: number; channels: readonly string[]; values: Float32Array } | null;
+  /** What the first mesh with such a morph target stands at. */
+  influence: (target: string) => number | undefined;
+}
+
 declare global {
-  interface Window { mienStats: { summary: Stage['times']['summary']; reset: () => void; intervals: readonly number[]; work: readonly number[] } }
+  interface Window { mienStats: Stats }
 }
 
 async function start(): Promise<void> {
@@ -77,8 +90,9 @@ async function start(): Promise<void> {
   dropFiles(line, face, tabs);
 
   const { times } = stage;
-  (window as unknown as { mienStage: Stage }).mienStage = stage;
-  window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work };
+  window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work,
+    shown: () => (session.clip === undefined ? null : { take: session.take?.take ?? '', seconds: playback.now, channels: session.clip.channels, values: session.clip.values }),
+    influence: (target) => stage.influence(target) };
   const tick = (): void => {
     playback.tick();
     stage.draw(playback.playing);

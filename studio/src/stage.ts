@@ -110,6 +110,15 @@ export class Stage {
     return found;
   }
 
+  /** What the first mesh with such a morph target stands at. */
+  influence(target: string): number | undefined {
+    for (const mesh of this.meshes()) {
+      const place = mesh.morphTargetDictionary?.[target];
+      if (place !== undefined) return mesh.morphTargetInfluences?.[place];
+    }
+    return undefined;
+  }
+
   pose(channels: readonly string[], values: ArrayLike<number>): void {
     this.rig?.apply(channels, values);
     this.touch();
