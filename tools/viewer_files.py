@@ -19,6 +19,8 @@ from tests.faces import tiny_animation, tiny_face
 
 from mien.channels import ALL, HEAD, WEIGHTS
 from mien.face.foreign.names import Convention, conventions, name_tables, recognised
+from mien.face.tree_config import parse_tree
+from mien.face.tree_data import config_data, influence_data
 from mien.live.frames import END, Frame, Greeting, encode_frame
 from mien.output.driven_glb import drive_glb
 from mien.output.gltf import write_glb
@@ -155,5 +157,47 @@ def write(folder: Path) -> None:
     (golden / "values.json").write_text(json.dumps({"channels": ALL, "values": rows.tolist()}) + "\n", "utf-8")
 
 
+TREE = """mien-tree 1
+parameter head
+  rotation axis 0 1 0.2 pivot 0 -90 -40
+  all 1
+parameter jaw
+  rotation axis 1 0 0 pivot 0 -20 -60
+  parent head
+  group skeletal
+  sphere 0 -70 0 radius 20 soft 40
+parameter trunk
+  fixed
+  group skeletal
+  side 0 -1 0 of 0 -80 0 soft 20
+parameter smile
+  translation 3 4 -1
+  parent jaw
+  sphere 25 -64 16 radius 6 soft 18 weight 0.8
+parameter brow
+  translation 0 5 0
+  weights skin 0:0.5 3-5:1
+"""
+
+
+def write_tree(folder: Path) -> None:
+    """Write ``golden/tree.json`` for the studio's page: a small tree, and what `ParameterTree.deform` makes of it."""
+    points = np.random.default_rng(5).uniform((-60, -110, -60), (60, 40, 40), (24, 3)).astype(np.float32)
+    rest = {"skin": points[:16], "teeth": points[16:]}
+    config = parse_tree(TREE)
+    tree = config.on(rest)
+    names = [parameter.name for parameter in tree.parameters]
+    cases = []
+    for values in ({}, {"head": 20.0}, {"jaw": -12.0, "smile": 1.0}, {"head": 15.0, "jaw": 8.0, "smile": 0.7, "brow": -1.2}):
+        row = [values.get(name, 0.0) for name in names]
+        posed = {part: tree.deform(part, vertices, row).tolist() for part, vertices in rest.items()}
+        cases.append({"values": values, "vertices": posed})
+    content = {"config": config_data(config), "influences": influence_data(tree), "cases": cases}
+    folder.mkdir(parents=True, exist_ok=True)
+    content["rest"] = {part: vertices.tolist() for part, vertices in rest.items()}
+    (folder / "tree.json").write_text(json.dumps(content) + "\n", "utf-8")
+
+
 if __name__ == "__main__":
     write(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "viewer")
+    write_tree(Path(__file__).parent.parent / "studio" / "test" / "golden")

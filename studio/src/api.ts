@@ -1,4 +1,6 @@
 // The server, as functions. Every failure is an ApiError with one line for the person and the field it concerns.
+import type { PartPlace } from './rig/editor';
+import type { Influences, TreeData } from './rig/tree';
 import type { About, Job, Layer, Lost, Take, TakeRequest } from './types';
 
 export class ApiError extends Error {
@@ -65,15 +67,13 @@ export const startExport = async (id: string, asked: ExportRequest): Promise<str
 
 export const putEdits = (id: string, layer: Layer): Promise<{ revision: number; lost?: Lost[]; take?: Take }> =>
   read(`/api/takes/${id}/edits`, json('PUT', layer));
-export const getLayer = (id: string): Promise<Layer> => read(`/api/takes/${id}/layer`);
-export const checkLayer = (id: string, content: unknown): Promise<{ revision: number; lost?: Lost[] }> =>
-  read(`/api/takes/${id}/layer`, json('PUT', content));
-
-export const getRig = (): Promise<unknown> => read('/api/rigs/default');
-export const getRigMesh = (): Promise<unknown> => read('/api/rigs/default/mesh');
-export const checkRig = (config: unknown): Promise<{ ok?: boolean; faults?: { line?: number; parameter?: string; text: string }[] }> =>
-  read('/api/rigs/check', json('POST', { config }));
-export const putRig = (id: string, config: unknown): Promise<{ rig?: string }> => read(`/api/rigs/${id}`, json('PUT', { config }));
+export interface RigFault { line?: number | null; parameter?: string | null; text: string }
+export const getRig = (id: string): Promise<{ config: TreeData; parts: PartPlace[] }> => read(`/api/rigs/${id}`);
+export const getInfluences = (id: string): Promise<Influences> => read(`/api/rigs/${id}/influence`);
+export const addRig = (text: string): Promise<{ rig: string }> => read('/api/rigs', { method: 'POST', headers: { 'Content-Type': 'text/plain' }, body: text });
+export const checkRig = (config: TreeData): Promise<{ ok: boolean; faults: RigFault[] }> => read('/api/rigs/check', json('POST', { config }));
+export const putRig = (id: string, config: TreeData): Promise<{ rig: string }> => read(`/api/rigs/${id}`, json('PUT', { config }));
+export const rigText = async (id: string): Promise<string> => (await ask(`/api/rigs/${id}.txt`)).text();
 
 /** Waits for a job, telling how far it is; a signal cancels it on the server too. */
 export async function finished(id: string, tell: (job: Job) => void, signal?: AbortSignal): Promise<Job> {

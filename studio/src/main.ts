@@ -6,6 +6,7 @@ import { EditsPanel } from './panels/edits';
 import { ExportPanel } from './panels/export';
 import { FacePanel } from './panels/face';
 import { LinePanel } from './panels/line';
+import { RigPanel } from './panels/rig';
 import { Playback } from './playback';
 import { Session } from './session';
 import { helpDialog, listenToKeys } from './shortcuts';
@@ -26,6 +27,8 @@ interface Stats {
   shown: () => { take: string; seconds: number; channels: readonly string[]; values: Float32Array } | null;
   /** What the first mesh with such a morph target stands at. */
   influence: (target: string) => number | undefined;
+  /** The face under the tree in the deformation editor: parts' vertices one after the other, mm, and the parameter's values. */
+  tree: () => { values: Record<string, number>; vertices: Float32Array[] } | null;
 }
 
 declare global {
@@ -49,17 +52,31 @@ async function start(): Promise<void> {
   const view = (name: string): void => { views.value = name; stage.view(name); };
   views.addEventListener('change', () => view(views.value));
 
+  let rig: RigPanel | undefined;
   const show = (): void => {
-    if (session.clip !== undefined) stage.pose(session.clip.channels, session.clip.sample(playback.now));
+    if (rig?.active === true) stage.touch();
+    else if (session.clip !== undefined) stage.pose(session.clip.channels, session.clip.sample(playback.now));
     else stage.touch();
   };
   const line = new LinePanel(session);
   const face = new FacePanel(session, stage, show);
+  const before = { id: '' };
+  rig = new RigPanel(session, stage, async () => {
+    before.id = face.id;
+    if (face.id !== session.about.default_face) await face.show(session.about.default_face);
+  }, () => {
+    if (before.id !== session.about.default_face) void face.show(before.id);
+    show();
+  });
   const files = new ExportPanel(session, () => ({ face: face.id, light: lights.value, camera: views.value }));
   const tabs = new Tabs([
     ['line', 'Line', line.element], ['edits', 'Edits', new EditsPanel(session).element],
     ['export', 'Export', files.element], ['face', 'Face', face.element],
-  ], timeline.element);
+    ['rig', 'Rig', rig.element],
+  ], timeline.element, (name) => {
+    if (name === 'rig') void rig?.show();
+    else if (name !== 'timeline') rig?.hide();
+  });
 
   const told = make('div', { class: 'told', role: 'status', 'aria-live': 'polite' });
   const toast = make('p', { class: 'toast', role: 'alert', hidden: true });
@@ -92,7 +109,8 @@ async function start(): Promise<void> {
   const { times } = stage;
   window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work,
     shown: () => (session.clip === undefined ? null : { take: session.take?.take ?? '', seconds: playback.now, channels: session.clip.channels, values: session.clip.values }),
-    influence: (target) => stage.influence(target) };
+    influence: (target) => stage.influence(target),
+    tree: () => (rig?.editor === undefined ? null : { values: Object.fromEntries(rig.editor.values), vertices: rig.editor.vertices() }) };
   const tick = (): void => {
     playback.tick();
     stage.draw(playback.playing);

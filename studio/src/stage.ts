@@ -2,7 +2,7 @@
 import { FaceRig } from 'mien-viewer';
 import {
   ACESFilmicToneMapping, Box3, Group, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene, SRGBColorSpace,
-  Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Texture,
+  Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Object3D, type Texture,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
@@ -23,8 +23,6 @@ export class Stage {
   rig: FaceRig | undefined;
   morphs: SparseMorphs[] = [];
   lighting = 'portrait';
-  /** Called after the morphs and before the picture, with whether vertices moved. */
-  deform: ((moved: boolean) => void) | undefined;
   private readonly scene = new Scene();
   readonly quality: Quality;
   private face: Group | undefined;
@@ -102,6 +100,9 @@ export class Stage {
       }
     });
   }
+
+  add(object: Object3D): void { this.scene.add(object); this.touch(); }
+  remove(object: Object3D): void { this.scene.remove(object); this.touch(); }
 
   /** Meshes of the face. */
   meshes(): Mesh[] {
@@ -187,9 +188,7 @@ export class Stage {
     }
     this.dirty = false;
     const began = performance.now();
-    let moved = false;
-    for (const morph of this.morphs) moved = morph.update() || moved;
-    this.deform?.(moved);
+    for (const morph of this.morphs) morph.update();
     this.renderer.render(this.scene, this.camera);
     this.times.add(performance.now() - began, busy);
     if (busy && this.times.slowerThan(SLOW_MS)) this.coarser();

@@ -5,7 +5,9 @@ export class Tabs {
   readonly element: HTMLElement;
   private readonly tabs = new Map<string, { tab: HTMLButtonElement; panel: HTMLElement }>();
 
-  constructor(panels: readonly (readonly [string, string, HTMLElement])[], timeline: HTMLElement) {
+  constructor(
+    panels: readonly (readonly [string, string, HTMLElement])[], timeline: HTMLElement, private readonly told: (name: string) => void,
+  ) {
     const list = make('div', { role: 'tablist', class: 'tablist', 'aria-label': 'Panels' });
     const wrapped = panels.map(([name, label, content]) => {
       const panel = make('div', { role: 'tabpanel', id: `tab-panel-${name}`, class: 'tabpanel' }, content);
@@ -33,6 +35,7 @@ export class Tabs {
       panel.classList.toggle('chosen', other === name);
     }
     document.body.dataset['tab'] = name;
+    this.told(name);
   }
 
   /** Shows the panel in which a field is. */
