@@ -12,7 +12,7 @@ const ARGUMENTS = [
   '--disable-background-networking', '--disable-component-update', '--disable-sync', '--autoplay-policy=no-user-gesture-required',
 ];
 const seen = { complaints: [], elsewhere: [], requests: 0 };
-const READY = 120_000;
+const READY = 60_000;
 
 const browser = await chromium.launch({ executablePath, args: ARGUMENTS });
 try {
@@ -191,6 +191,7 @@ try {
   await page.keyboard.press('?');
   seen.keys.help = await page.locator('dialog[open]').count();
   await page.keyboard.press('Escape');
+  await page.waitForSelector('dialog[open]', { state: 'detached' });
   seen.keys.closed = await page.locator('dialog[open]').count();
   await page.keyboard.press('Home');
   await page.keyboard.press(' ');
