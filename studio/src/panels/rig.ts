@@ -2,7 +2,7 @@
 import * as api from '../api';
 import { button, download, field, make, options, showFault } from '../dom';
 import { RigEditor } from '../rig/editor';
-import { isSkeletal, type ParameterData } from '../rig/tree';
+import { isSkeletal, type ParameterData, type TreeData } from '../rig/tree';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
 
@@ -167,20 +167,23 @@ export class RigPanel {
     const { editor } = this;
     if (editor === undefined) return;
     showFault('config', null);
-    const config = editor.config();
-    const { ok, faults } = await api.checkRig(config).catch((problem: unknown) => ({ ok: false, faults: [{ text: String(problem) }] as api.RigFault[] }));
-    if (!ok) {
-      const told = faults.slice(0, 3).map(({ line, text }) => (line ? `line ${line}: ${text}` : text)).join('; ');
-      this.session.emit('problem', { message: told, field: 'config' });
-      return;
-    }
-    try {
-      const { rig } = await api.putRig(this.id, config);
-      this.id = rig;
-      download('face.tree', await api.rigText(rig), 'text/plain');
-    } catch (problem) {
-      this.session.tell(problem, 'config');
-    }
+    await this.session.work(async () => {
+      this.session.emit('busy', { state: 'running', step: 'saving the configuration' });
+      const config = editor.config();
+      try {
+        this.id = (await api.putRig(this.id, config)).rig;
+      } catch (problem) {
+        throw new api.ApiError(await this.faults(config, problem), 'config');
+      }
+      download('face.tree', await api.rigText(this.id), 'text/plain');
+    });
+  }
+
+  /** Why a configuration was refused, with the lines at fault where there are any. */
+  private async faults(config: TreeData, problem: unknown): Promise<string> {
+    const { faults } = await api.checkRig(config).catch(() => ({ faults: [] as api.RigFault[] }));
+    if (faults.length === 0) return problem instanceof Error ? problem.message : String(problem);
+    return faults.slice(0, 3).map(({ line, text }) => (line ? `line ${line}: ${text}` : text)).join('; ');
   }
 }
 

@@ -29,6 +29,7 @@ export class Timeline {
   private readonly playhead = make('div', { class: 'playhead', 'aria-hidden': 'true' });
   private readonly rows: Row[] = [];
   private readonly fixed: Row[];
+  private readonly made = new Map<string, Row>();
   private wave: Waveform | undefined;
   private clip: MotionClip | undefined;
   private readonly channels: ChannelMenu;
@@ -56,9 +57,10 @@ export class Timeline {
       this.shown = session.layer;
       if (fresh) {
         this.window.setTotal(take.seconds);
-        this.emotions = take.emotions.filter(({ name }) => name !== 'neutral').map(({ name }) => name);
+        this.emotions = [...new Set(take.emotions.map(({ name }) => name).filter((name) => name !== 'neutral'))];
+        this.rebuild();
       }
-      this.rebuild();
+      this.redraw();
     });
     session.on('frames', (clip) => { this.clip = clip; this.redraw(); });
     session.on('layer', (layer) => { this.shown = layer; this.keepEmotions(layer); });
@@ -117,8 +119,14 @@ export class Timeline {
 
   /** All lanes in their order. */
   private rebuild(): void {
-    this.rows.splice(0, this.rows.length, ...this.fixed, ...this.emotions.map((name) => this.emotion(name)),
-      ...this.channels.chosen.map((name) => this.channel(name)));
+    const made = (kind: string, name: string): Row => {
+      const key = `${kind} ${name}`;
+      const row = this.made.get(key) ?? (kind === 'emotion' ? this.emotion(name) : this.channel(name));
+      this.made.set(key, row);
+      return row;
+    };
+    this.rows.splice(0, this.rows.length, ...this.fixed, ...this.emotions.map((name) => made('emotion', name)),
+      ...this.channels.chosen.map((name) => made('channel', name)));
     const fresh = this.session.about.emotions.filter((name) => name !== 'neutral' && !this.emotions.includes(name));
     this.emotionChoice.replaceChildren(make('option', { value: '' }, '+ emotion'), ...fresh.map((name) => make('option', { value: name }, name)));
     this.emotionChoice.hidden = fresh.length === 0;
