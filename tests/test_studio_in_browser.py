@@ -39,7 +39,9 @@ def seen(address: str, tmp_path_factory: pytest.TempPathFactory) -> dict:
 
     browser, package, folder = chromium(), installed("studio"), tmp_path_factory.mktemp("studio")
     mien.save(mien.say("I never said that."), folder / "line.wav")
-    printed = run("node", str(CHECK), str(package), address, browser, str(folder), str(folder / "line.wav"), folder=ROOT)
+    printed = run(
+        "node", str(CHECK), str(package), address, browser, str(folder), str(folder / "line.wav"), folder=ROOT
+    )
     return json.loads(printed.splitlines()[-1]) | {"folder": folder}
 
 

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+import subprocess
+import sys
 
 from tools.viewer_files import FRAMES, tables, write
 
 from mien.live.frames import decode_frame
-from tests.node import ROOT, installed, run
+from mien.output.gltf import write_glb
+from mien.output.native import write_native
+from tests.faces import tiny_animation, tiny_face
+from tests.node import ROOT, chromium, installed, run
 
 GOLDEN = ROOT / "viewer" / "test" / "golden"
 
@@ -43,3 +49,26 @@ def test_what_is_packed():
     assert all(name.startswith("dist/") for name in names - {"package.json", "README.md"}), names
     assert packed["size"] < 40_000
     assert "dependencies" not in json.loads((folder / "package.json").read_text())
+
+
+def test_example_of_the_readme_plays_a_stream_and_a_file(tmp_path):
+    browser, viewer, package = chromium(), installed("viewer"), installed("studio")
+    run("npm", "run", "build", folder=viewer)
+    animation = tiny_animation(100)
+    write_native(animation, tmp_path / "line.json")
+    write_glb(tiny_animation(1), tiny_face(), tmp_path / "face.glb")
+    command = [sys.executable, "-m", "mien", "serve", str(tmp_path / "line.json"), "--loop", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
+        try:
+            assert server.stdout is not None
+            address = next(found.group() for told in server.stdout if (found := re.search(r"ws://[\w.:]+", told)))
+            files = (str(tmp_path / name) for name in ("face.glb", "line.json"))
+            check = ROOT / "tests" / "studio_check" / "viewer.mjs"
+            printed = run("node", str(check), str(package), str(viewer), address, browser, *files, folder=ROOT)
+        finally:
+            server.terminate()
+    seen = json.loads(printed.splitlines()[-1])
+    assert seen["lines"] < 15
+    assert seen["complaints"] == []
+    for name in ("stream", "file"):
+        assert len({round(value, 4) for value in seen[name]}) > 4, f"{name}: the jaw stands still"

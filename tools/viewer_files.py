@@ -188,7 +188,12 @@ def write_tree(folder: Path) -> None:
     tree = config.on(rest)
     names = [parameter.name for parameter in tree.parameters]
     cases = []
-    for values in ({}, {"head": 20.0}, {"jaw": -12.0, "smile": 1.0}, {"head": 15.0, "jaw": 8.0, "smile": 0.7, "brow": -1.2}):
+    for values in (
+        {},
+        {"head": 20.0},
+        {"jaw": -12.0, "smile": 1.0},
+        {"head": 15.0, "jaw": 8.0, "smile": 0.7, "brow": -1.2},
+    ):
         row = [values.get(name, 0.0) for name in names]
         posed = {part: tree.deform(part, vertices, row).tolist() for part, vertices in rest.items()}
         cases.append({"values": values, "vertices": posed})

@@ -1,10 +1,9 @@
-// Play, step, speed, loop, undo; and how much of the line is seen.
+// Play, step, speed, loop, undo.
 import { button, icon, ICONS, make, options } from './dom';
 import { SPEEDS, type Playback } from './playback';
 import type { Session } from './session';
-import type { Timeline } from './timeline/timeline';
 
-export function transport(playback: Playback, session: Session, timeline: Timeline, help: () => void): HTMLElement {
+export function transport(playback: Playback, session: Session, help: () => void): HTMLElement {
   const play = button('Play', () => playback.toggle(), { class: 'play', 'data-do': 'play' }, icon(ICONS.play, true));
   const clock = make('output', { class: 'clock', 'aria-label': 'Time' });
   const frame = make('span', { class: 'frame' });
@@ -14,7 +13,6 @@ export function transport(playback: Playback, session: Session, timeline: Timeli
   const loop = button('Loop', () => toggleLoop(playback), { 'aria-pressed': 'false', 'data-do': 'loop' }, icon(ICONS.loop));
   const undo = button('Undo', () => session.undo(), { 'data-do': 'undo', disabled: true, title: 'Undo (Ctrl+Z)' }, icon(ICONS.undo));
   const redo = button('Redo', () => session.redoEdit(), { 'data-do': 'redo', disabled: true, title: 'Redo (Ctrl+Y)' }, icon(ICONS.redo));
-  const middle = (): number => (timeline.window.holds(playback.now) ? playback.now : (timeline.window.first + timeline.window.last) / 2);
 
   const tell = (seconds: number): void => {
     clock.textContent = `${seconds.toFixed(2)} / ${playback.seconds.toFixed(2)} s`;
@@ -39,10 +37,6 @@ export function transport(playback: Playback, session: Session, timeline: Timeli
     button('One frame on', () => playback.step(1), { 'data-do': 'on', title: 'One frame on (.)' }, icon(ICONS.on)),
     make('div', { class: 'times' }, clock, frame), speed, loop,
     make('span', { class: 'gap' }), undo, redo, make('span', { class: 'gap wide' }),
-    make('div', { class: 'zoom' },
-      button('Wider', () => timeline.window.zoom(1.6, middle()), { 'data-do': 'wider', title: 'See more of the line (-)' }, icon(ICONS.minus)),
-      button('Closer', () => timeline.window.zoom(1 / 1.6, middle()), { 'data-do': 'closer', title: 'See it closer (+)' }, icon(ICONS.plus)),
-      button('Whole line', () => timeline.window.fit(), { 'data-do': 'fit', title: 'Whole line (0)' }, icon(ICONS.fit))),
     button('Shortcuts', help, { 'data-do': 'help', title: 'Shortcuts (?)' }, icon(ICONS.help)));
 }
 

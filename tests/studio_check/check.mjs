@@ -36,7 +36,10 @@ try {
     await page.waitForFunction(() => document.querySelector('.told').childElementCount === 0);
   };
   const edited = (act) => Promise.all([page.waitForResponse((answer) => answer.request().method() === 'PUT' && answer.ok()), act()]);
-  const settled = () => page.waitForFunction(() => document.querySelector('.told').childElementCount === 0);
+  const settled = async () => { // performed, and drawn
+    await page.waitForFunction(() => document.querySelector('.told').childElementCount === 0);
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  };
   const drag = async (handle, x, y, during) => {
     const box = await handle.boundingBox();
     const [left, top] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -79,8 +82,12 @@ try {
   await page.waitForSelector('.emotion .handle');
   const point = page.locator('.emotion .handle').last();
   const [, during] = await edited(() => drag(point, 0, 22, async () => {
-    await page.waitForTimeout(1500);
-    return sum(await shown('mouthSmileLeft'));
+    for (let look = 0; look < 60; look++) { // the first time the page asks for the line without its emotion
+      const now = sum(await shown('mouthSmileLeft'));
+      if (now !== smile) return now;
+      await page.waitForTimeout(200);
+    }
+    return smile;
   }));
   await settled();
   seen.intensity = { before: smile, during, after: sum(await shown('mouthSmileLeft')) };

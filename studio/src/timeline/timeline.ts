@@ -152,7 +152,10 @@ export class Timeline {
   // ------------------------------------------------------------ lanes
 
   private ruler(): Row {
-    const lane = new Lane('Time', 'ruler', this.window, (brush) => paintRuler(brush, this.playback.loop), 'seconds');
+    const lane = new Lane('Time', 'ruler', this.window, (brush) => paintRuler(brush, this.playback.loop), 'seconds',
+      button('Wider', () => this.window.zoom(1.6, this.middle()), { class: 'small', title: 'See more of the line (-)' }, icon(ICONS.minus)),
+      button('Closer', () => this.window.zoom(1 / 1.6, this.middle()), { class: 'small', title: 'See it closer (+)' }, icon(ICONS.plus)),
+      button('Whole line', () => this.window.fit(), { class: 'small', title: 'Whole line (0)' }, icon(ICONS.fit)));
     const handles = new Handles(lane.layer, this.window, {
       drag: ({ key }, at) => this.moveLoop(key, at),
       drop: ({ key }, at) => this.moveLoop(key, at),
@@ -164,6 +167,12 @@ export class Timeline {
     })));
     this.draggable(lane.body, (from, to) => this.playback.setLoop(Math.abs(to - from) > 0.02 ? [Math.min(from, to), Math.max(from, to)] : null));
     return { lane, handles, refresh };
+  }
+
+  /** What zooming keeps in place: the playhead where it is seen, else the middle. */
+  private middle(): number {
+    const { window, playback } = this;
+    return window.holds(playback.now) ? playback.now : (window.first + window.last) / 2;
   }
 
   private moveLoop(key: string, at: number): void {
