@@ -327,25 +327,30 @@ def ready_player_me_small(folder: Path) -> Animal:
     made.avatar(made.mesh(names, name="Wolf3D_Head"))
     place = {name: number for number, name in enumerate(VISEMES)}
     moves = {
-        (0, place["PP"]): {"mouthPressLeft": 0.6, "mouthPressRight": 0.6, "mouthClose": 1.5},
+        (0, place["PP"]): {"mouthPressLeft": 1.2, "mouthPressRight": 1.2, "mouthClose": 1.5},
         (0, place["FF"]): {"mouthRollLower": 1.1},
-        (0, place["TH"]): {"tongueOut": 1.2},
-        (0, place["DD"]): {"tongueTipUp": 0.8},
+        (0, place["TH"]): {"tongueOut": 1.4},
+        (0, place["DD"]): {"tongueTipUp": 0.8, "mouthFunnel": -0.8},
         (0, place["kk"]): {"tongueBackUp": 0.8},
-        (0, place["CH"]): {"mouthShrugUpper": 0.6, "mouthFunnel": 0.3},
-        (0, place["SS"]): {"tongueBladeUp": 0.6},
-        (0, place["nn"]): {"tongueTipUp": 0.6},
-        (0, place["RR"]): {"tongueCurl": 0.8},
+        (0, place["CH"]): {"mouthFunnel": 0.6, "mouthPucker": 0.3, "tongueTipUp": 0.5, "jawOpen": -1.0},
+        (0, place["SS"]): {"mouthLowerDownLeft": 0.6, "mouthLowerDownRight": 0.6, "jawOpen": -1.5, "mouthFunnel": -1.0},
+        (0, place["nn"]): {"tongueTipUp": 0.3, "mouthFunnel": -0.3},
+        (0, place["RR"]): {
+            "mouthFunnel": 0.5,
+            "tongueTipUp": 0.5,
+            "mouthLowerDownLeft": -1.0,
+            "mouthLowerDownRight": -1.0,
+        },
         (0, place["aa"]): {"jawOpen": 1.4, "mouthFunnel": -0.7, "mouthPucker": -0.7},
         (0, place["E"]): {
-            "mouthUpperUpLeft": 0.4,
-            "mouthUpperUpRight": 0.4,
-            "mouthLowerDownLeft": 0.4,
-            "mouthLowerDownRight": 0.4,
+            "mouthUpperUpLeft": 0.5,
+            "mouthUpperUpRight": 0.5,
+            "mouthLowerDownLeft": 0.5,
+            "mouthLowerDownRight": 0.5,
         },
         (0, place["I"]): {
-            "mouthStretchLeft": 0.6,
-            "mouthStretchRight": 0.6,
+            "mouthStretchLeft": 0.8,
+            "mouthStretchRight": 0.8,
             "mouthSmileLeft": 0.15,
             "mouthSmileRight": 0.15,
         },
@@ -624,6 +629,25 @@ def twice(folder: Path) -> Animal:
     return Animal(made.glb(folder / "twice.glb"), {(0, 0): {"jawOpen": 1}, (0, 1): {"jawOpen": 1}}, TURNS)
 
 
+def shaped_eyes(folder: Path) -> Animal:
+    """Eyeballs that look about by shapes of their own: their bones must not turn them as well."""
+    made = Builder()
+    made.bust(made.mesh(ARKIT))
+    looks = ["eyeLookUpLeft", "eyeLookInLeft"]
+    eyeball = made.mesh(looks, name="EyeLeft")
+    made.put("nodes", {"name": "EyeLeft_mesh", "mesh": eyeball})
+    return Animal(made.glb(folder / "eyes.glb"), {**same(ARKIT), **same(looks, eyeball)}, {"Head"})
+
+
+def loose_head(folder: Path) -> Animal:
+    """A mesh named head beside its teeth: it must not turn away from them."""
+    made = Builder()
+    made.put("nodes", {"name": "head", "mesh": made.mesh(["jawOpen"]), "translation": [0.0, 0.1, 0.0]})
+    teeth = made.mesh(["jawOpen"], name="teeth")
+    made.put("nodes", {"name": "teeth", "mesh": teeth, "translation": [0.0, 0.1, 0.0]})
+    return Animal(made.glb(folder / "loose.glb"), {(0, 0): {"jawOpen": 1}, (1, 0): {"jawOpen": 1}}, set())
+
+
 def quantised(folder: Path) -> Animal:
     made = Builder(extensionsUsed=["KHR_mesh_quantization"], extensionsRequired=["KHR_mesh_quantization"])
     made.bust(made.mesh(ARKIT, "quantised"))
@@ -636,5 +660,5 @@ ZOO: dict[str, Callable[[Path], Animal]] = {
     "units": units, "muscles": muscles, "trackers": trackers, "maya": maya, "anna": anna, "mmd": mmd,
     "hand_made": hand_made, "text_with_files": text_with_files, "text_alone": text_alone, "shared": shared,
     "by_accessor_names": by_accessor_names, "draco": draco, "own_table": own_table, "twice": twice,
-    "quantised": quantised,
+    "quantised": quantised, "shaped_eyes": shaped_eyes, "loose_head": loose_head,
 }  # fmt: skip

@@ -101,6 +101,8 @@ def test_everything_else_is_kept(animal: Animal, tmp_path: Path) -> None:
 
 
 def test_the_head_turns_as_the_channels_say(animal: Animal, tmp_path: Path) -> None:
+    if not animal.turns:
+        pytest.skip("has no head that could turn")
     motion = track()
     drive_glb(motion, animal.path, tmp_path / "out.glb", animal.names)
     document, face = read_gltf(tmp_path / "out.glb"), foreign_face(animal.path, animal.names)
@@ -145,7 +147,7 @@ def test_it_is_drawn_as_the_driven_file_would_show_it(animal: Animal) -> None:
     heights = [np.ptp(part.vertices[:, 1]) for part in rest.parts]
     assert max(heights) == pytest.approx(230, abs=2)  # metres have become millimetres
     assert bool(channels.select(HEAD).values.any()) is bool("head" in drawn.foreign.turning.nodes)
-    moved = poser.pose(channels.values[3])
+    moved = poser.pose(channels.values.max(axis=0))
     assert max(np.abs(a.vertices - b.vertices).max() for a, b in zip(moved.parts, rest.parts, strict=True)) > 1.0
     if len(drawn.face.eyes) == 2:
         left, right = sorted(drawn.face.eyes, key=lambda eye: -eye.centre[0])

@@ -41,7 +41,9 @@ def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Fl
         flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0, -1.0, 1.0))
         quaternions[1:] *= flips[:, None]
         result[number] = quaternions
-    missing = [told for part, told in PARTS.items() if nodes.get(part) not in result]
+    missing = [
+        told for part, told in PARTS.items() if nodes.get(part) not in result and part not in face.turning.by_shapes
+    ]
     if not missing:
         return result, ()
     return result, (Note("note", f"no node that could turn is named like a {' or a '.join(missing)}: it stays still"),)

@@ -28,8 +28,8 @@ __all__ = ["DrawnFace", "drawn_face", "not_drawn"]
 Floats = NDArray[np.float64]
 _EYES_APART_MM, _MOVED_MM = 63.0, 150.0
 """Between the eyes of an adult, and from brows to chin: what a file of unknown units is scaled to."""
-_METRES = (60.0, 400.0)
-"""Brows to chin in mm for which a file is taken to be in metres, as glTF says it should."""
+_METRES, _HEAD, _BODY = (40.0, 110.0), (0.1, 0.6), (0.9, 2.6)
+"""Eyes apart in mm, and heights in m, for which a file is taken to be in metres, as glTF says it should."""
 _CHIN, _RAMP = -125.0, 40.0
 _LEAST = 5e-3  # mm
 _FARTHEST = 1e7  # mm: the numbers of a damaged file
@@ -187,26 +187,35 @@ def _placing(foreign: ForeignFace, pieces: Sequence[Piece], world: Floats) -> _P
     nodes, facing = foreign.turning.nodes, foreign.turning.facing
     moved = _moved(pieces)
     height = float(np.ptp(moved[:, 1]))
-    # A face that only opens its jaw moves less than one with brows; the eyes tell better.
-    scale = _MOVED_MM / height if height > 0 else 1000.0
+    scale = _scale(height, pieces)
     eyes = None
     if {"eyeLeft", "eyeRight"} <= set(nodes):
         eyes = world[[nodes["eyeLeft"], nodes["eyeRight"]], :3, 3]
-        apart = float(np.linalg.norm(eyes[0] - eyes[1]))
-        if not 0.1 * height < apart < 2 * height:
+        apart = 1000.0 * float(np.linalg.norm(eyes[0] - eyes[1]))
+        if not 100.0 * height < apart < 2000.0 * height:
             eyes = None
         else:
-            scale = _EYES_APART_MM / apart
-    if _METRES[0] < 1000.0 * height < _METRES[1] and 500.0 < scale < 2000.0:
-        scale = 1000.0
+            scale = 1000.0 if _METRES[0] < apart < _METRES[1] else 1000.0 * _EYES_APART_MM / apart
     if eyes is not None:
         return _Placing(eyes.mean(axis=0), scale, facing)
     low, high = moved.min(axis=0), moved.max(axis=0)
     blinks = _blinking(foreign, pieces)
     origin = blinks.mean(axis=0) if len(blinks) else np.array([0.5 * (low[0] + high[0]), high[1] - 0.3 * height, 0.0])
+    whole = np.concatenate([piece.vertices[:, 1] for piece in pieces if piece.targets] or [moved[:, 1]])
+    if not len(blinks) and 2.2 * height < np.ptp(whole) < 400.0 / scale:  # little moves of a head: eyes lie half-way up
+        origin[1] = 0.5 * (whole.min() + whole.max())
     front = high[2] if facing > 0 else low[2]
     origin[2] = front - facing * 30.0 / scale
     return _Placing(origin, scale, facing)
+
+
+def _scale(moved_height: float, pieces: Sequence[Piece]) -> float:
+    """Millimetres in a unit of the file, told without eyes: by the meshes that move, else by what moves of them."""
+    heights = np.concatenate([piece.vertices[:, 1] for piece in pieces if piece.targets] or [np.zeros(1)])
+    height = float(np.ptp(heights))
+    if _HEAD[0] < height < _HEAD[1] or _BODY[0] < height < _BODY[1]:
+        return 1000.0
+    return _MOVED_MM / moved_height if moved_height > 0 else 1000.0
 
 
 def _moved(pieces: Sequence[Piece]) -> Floats:

@@ -19,7 +19,17 @@ from mien.channels import WEIGHTS
 from mien.errors import InputError, unknown_name
 from mien.face.facs import au_channels, is_unit
 
-__all__ = ["Convention", "Match", "OwnNames", "conventions", "name_tables", "own_names", "recognised", "spelling"]
+__all__ = [
+    "Convention",
+    "Match",
+    "OwnNames",
+    "conventions",
+    "name_tables",
+    "own_names",
+    "recognised",
+    "spelling",
+    "words",
+]
 
 Recipe = Mapping[str, float]
 _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")

@@ -29,6 +29,8 @@ class Turning:
     ----------
     nodes : mapping of str to int
         Nodes for ``head``, ``eyeLeft`` and ``eyeRight`` (the speaker's own), as far as there are any.
+    by_shapes : tuple of str
+        Those of the eyes that have nodes and are not turned by them, because shapes of the eyeballs do it.
     degrees : mapping of str to float
         How far an eye turns ``Up``, ``Down``, ``In`` and ``Out`` at weight 1 of its channels.
     facing : {1, -1}
@@ -38,6 +40,7 @@ class Turning:
     nodes: Mapping[str, int] = field(default_factory=dict)
     degrees: Mapping[str, float] = field(default_factory=dict)
     facing: int = 1
+    by_shapes: tuple[str, ...] = ()
 
 
 def turning_nodes(document: GltfDocument, own: OwnNames | None = None) -> Turning:
@@ -73,18 +76,22 @@ def _by_names(document: GltfDocument) -> dict[str, int]:
     for part, names in name_tables()["nodes"].items():
         for name in names:
             places = [place for place, given in enumerate(plain) if given == name]
-            places = [place for place in places if _turns_by_itself(document, place)]
+            places = [place for place in places if _turns_by_itself(document, place, part)]
             if places:  # of two nodes of one name the joint is the one that moves something
                 found[part] = next((place for place in places if place in joints), places[0])
                 break
     return found
 
 
-def _turns_by_itself(document: GltfDocument, place: int) -> bool:
+def _turns_by_itself(document: GltfDocument, place: int, part: str) -> bool:
     """Whether turning a node turns what it is named for about its own place: a bone, or a mesh that stands there."""
     node = document.list_of("nodes")[place]
     if "skin" in node:
         return False
+    if "mesh" in node and part == "head":  # teeth and eyes beside it would stay behind
+        below, nodes = set(document.below(place)), document.list_of("nodes")
+        if any("mesh" in other and number not in below for number, other in enumerate(nodes)):
+            return False
     if "mesh" not in node or any(node.get("translation", ())):
         return True
     matrix = node.get("matrix")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mien.channels import MOUTH, TONGUE
 from mien.errors import InputError
 from mien.face.foreign.document import GltfDocument, read_gltf
-from mien.face.foreign.names import KINDS, Match, OwnNames, own_names, recognised
+from mien.face.foreign.names import KINDS, Match, OwnNames, name_tables, own_names, recognised, words
 from mien.face.foreign.nodes import Turning, turning_nodes
 from mien.face.foreign.vrm import VrmExpression, is_vrm, vrm_expressions, vrm_gaze_by_shapes
 from mien.tracks import ChannelTrack
@@ -189,7 +189,38 @@ def _recognised(document: GltfDocument, own: OwnNames) -> ForeignFace:
     meshes = tuple(_settled(mesh, rich) for mesh in found)
     driven = {drive.name for mesh in meshes for target in mesh.targets for drive in target.drives}
     overrides = tuple(e for e in expressions if e.name in driven and (e.mouth != "none" or e.blink != "none"))
-    return ForeignFace(document, meshes, turning_nodes(document, own), overrides)
+    turning = turning_nodes(document, own)
+    if any(_is_eyeball(document, mesh) and _looks(document, mesh) for mesh in meshes):
+        eyes = tuple(part for part in turning.nodes if part.startswith("eye") and part not in own.nodes)
+        nodes = {part: node for part, node in turning.nodes.items() if part not in eyes}
+        turning = replace(turning, nodes=nodes, by_shapes=eyes)
+    return ForeignFace(document, meshes, turning, overrides)
+
+
+def _is_eyeball(document: GltfDocument, mesh: DrivenMesh) -> bool:
+    """Whether a mesh is an eyeball by its name, or by that of a node that shows it."""
+    shown = [str(node.get("name", "")) for node in document.list_of("nodes") if node.get("mesh") == mesh.number]
+    tables = name_tables()
+    for name in (mesh.name, *shown):
+        parts = set(words(name))
+        if parts & set(tables["eyeballs"]) and not parts & set(tables["not_eyeballs"]):
+            return True
+    return False
+
+
+def _looks(document: GltfDocument, mesh: DrivenMesh) -> bool:
+    """Whether a mesh has driven gaze shapes that move something, as far as their bounds tell."""
+    primitives = document.list_of("meshes")[mesh.number]["primitives"]
+    for place, target in enumerate(mesh.targets):
+        if not any(channel.startswith("eyeLook") for drive in target.drives for channel in drive.match.recipe):
+            continue
+        for primitive in primitives:
+            number = primitive["targets"][place].get("POSITION", -1)
+            accessors = document.list_of("accessors")
+            facts = accessors[number] if 0 <= number < len(accessors) else {}
+            if any(abs(value) > 1e-9 for value in (*facts.get("min", ()), *facts.get("max", ()))):
+                return True
+    return False
 
 
 def target_names(document: GltfDocument, number: int) -> tuple[str, ...]:

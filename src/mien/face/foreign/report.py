@@ -87,6 +87,8 @@ class FaceReport:
         Names of the nodes that turn: ``head``, ``eyeLeft``, ``eyeRight``.
     still_nodes : tuple of str
         Those of them that there are not, in words.
+    shaped_nodes : tuple of str
+        Eyes that shapes of their own turn, so that their nodes keep still.
     missing : tuple of MissingChannels
         What matters most comes first.
     extensions : tuple of str
@@ -105,6 +107,7 @@ class FaceReport:
     meshes: tuple[MeshReport, ...]
     nodes: dict[str, str]
     still_nodes: tuple[str, ...]
+    shaped_nodes: tuple[str, ...]
     missing: tuple[MissingChannels, ...]
     extensions: tuple[str, ...]
     animations: int
@@ -140,6 +143,9 @@ class FaceReport:
                 told.append(f"  still, {reason}: {', '.join(names)}")
         told += [f"{PARTS[part]}: node {name!r} turns" for part, name in self.nodes.items()]
         told += [f"{part}: no node of such a name; it stays still" for part in self.still_nodes]
+        told += [f"{part}: turned by its mesh's own shapes, not by its node" for part in self.shaped_nodes]
+        if any("viseme" in title or "vowel" in title or "mouths" in title for title in self.conventions):
+            told.append("its visemes stand in for much of the speech shapes that it lacks:")
         told += [f"no {', '.join(lost.channels)} ({lost.weight}): {lost.words}" for lost in self.missing]
         if self.animations:
             told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes last")
@@ -188,7 +194,8 @@ def face_report(face: ForeignFace) -> FaceReport:
         conventions=tuple(sorted(dict.fromkeys(tables), key=lambda title: -tables.count(title))),
         meshes=meshes,
         nodes=nodes,
-        still_nodes=tuple(told for part, told in PARTS.items() if part not in nodes),
+        still_nodes=tuple(t for part, t in PARTS.items() if part not in nodes and part not in face.turning.by_shapes),
+        shaped_nodes=tuple(PARTS[part] for part in face.turning.by_shapes),
         missing=_missing(moved),
         extensions=tuple(str(name) for name in document.list_of("extensionsUsed")),
         animations=len(document.list_of("animations")),
