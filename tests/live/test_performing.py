@@ -265,6 +265,15 @@ def test_a_problem_of_the_source_is_told_and_clients_get_their_goodbye() -> None
         asyncio.run(play())
 
 
+def test_asking_to_stop_ends_the_wait_for_a_client() -> None:
+    source = SampleSource(np.zeros(1600, np.float32), "x")
+    outlets = Outlets(Access(port=0))
+    performed = asyncio.run(
+        perform_live(source, Quick(), outlets, performer="x", wait=True, stopping=lambda: True)  # type: ignore[arg-type]
+    )
+    assert performed.frames == 0
+
+
 def test_asking_to_stop_ends_the_stream() -> None:
     asked = SimpleNamespace(times=0)
 

@@ -6,6 +6,13 @@ SPEECH is what `speak.py` made. DATA holds emodb (two of its ten speakers are he
 GRID_CORPUS is grid-s1 imported by ``mien corpus import``. timit-sample is never read here: it is what the result is
 measured on (``benchmarks/live.py``). Every recording comes in several variations (`variations.py`), new ones in each
 round, so that the network hears more voices, microphones and rooms than there are.
+
+The network that ships went through two stages: the above over 584 lines of SPEECH, and then over 706 of them
+
+    python tools/live_recogniser/learn.py SPEECH DATA GRID_CORPUS --from FIRST.npz --rate 8e-4 --rounds 3
+
+the first stage with the features as they were before offsets were kept out and quiet voices raised (the history of
+``streaming_features.py`` has them), so that only the second one comes out the same today.
 """
 
 from __future__ import annotations

@@ -122,8 +122,6 @@ def _run(
     outlets: Outlets,
     recording: LiveRecording | None,
 ) -> Performed:
-    from threadpoolctl import threadpool_limits
-
     from mien.live.performing import perform_live
 
     def opened(port: int | None) -> None:
@@ -133,8 +131,7 @@ def _run(
             print(f"listening to {source.name}, {ahead}, streaming to {aim}; Ctrl-C ends", flush=True)
 
     asked_to_end = False
-    with contextlib.suppress(KeyboardInterrupt), put_off() as obey, threadpool_limits(1):
-        # The matrices are small: threads that wait for one another take longer than one that does the work.
+    with contextlib.suppress(KeyboardInterrupt), put_off() as obey:
 
         def stopping() -> bool:
             nonlocal asked_to_end

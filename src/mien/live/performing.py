@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from mien import channels
 from mien.errors import Note
 from mien.live.animator import LiveAnimator
 from mien.live.clock import Clock, RealClock, frames_due
 from mien.live.frames import Frame, Greeting
+from mien.live.hub import Hub
 from mien.live.playout import Playout
 from mien.live.recording import LiveRecording
 from mien.live.sound_sources import SoundSource
@@ -25,6 +28,7 @@ __all__ = ["Performed", "perform_live"]
 
 AFTERWARDS = 0.6
 """Seconds that are shown after the sound has ended: the mouth shuts."""
+_LOOK = 0.2  # seconds between looks at a request to end while nobody listens yet
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ async def perform_live(
     stopping: Callable[[], bool] = lambda: False,
     watch: Callable[[int, float], None] = lambda number, seconds: None,
 ) -> Performed:
-    """Show sound while it arrives, until it ends.
+    """Show sound while it arrives, until it ends. Matrices are multiplied by one thread of this process meanwhile.
 
     Parameters
     ----------
@@ -113,8 +117,9 @@ async def perform_live(
     async with opened_outlets(outlets, greeting) as open_to:
         opened(open_to.port)
         if wait:
-            await open_to.hub.occupied()
-        with contextlib.closing(_Running(source)):
+            await _somebody(open_to.hub, stopping)
+        # The matrices are small: threads that wait for one another take longer than one that does the work.
+        with contextlib.closing(_Running(source)), threadpool_limits(1):
             async for number in frames_due(settings.rate, clock or RealClock()):
                 if stopping() or show.done:
                     break
@@ -125,6 +130,14 @@ async def perform_live(
     playout = show.playout
     delay = show.delays / max(sent, 1)
     return Performed(sent, last - sent, playout.silence, playout.left_out, source.inbox.dropped / RATE, delay)
+
+
+async def _somebody(hub: Hub, stopping: Callable[[], bool]) -> None:
+    """Wait until somebody listens, or until the stream is asked to end."""
+    while not len(hub) and not stopping():
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LOOK):
+                await hub.occupied()
 
 
 class _Running:
