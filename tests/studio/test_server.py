@@ -219,3 +219,29 @@ def test_a_video_is_seen_from_where_the_page_sees_it(client: Client, tmp_path) -
     assert (
         client.ask("POST", f"/api/takes/{take}/export", {"formats": [".mp4"], "camera": "up"}).json["field"] == "camera"
     )
+
+
+def test_a_glb_of_ones_own_is_driven_and_filmed(client: Client) -> None:
+    body = client.ask("GET", "/api/faces/default.glb").body
+    added = client.ask("POST", "/api/faces", body)
+    assert added.status == 201
+    assert {mesh["mesh"] for mesh in added.json["report"]["meshes"]} >= {"face"}
+    face = added.json["face"]
+    assert client.ask("GET", f"/api/faces/{face}.glb").body == body
+    take = client.take(text="Hi.", performer="authored", voice="espeak", fps=5)
+    asked = {"formats": [".glb", ".mp4"], "face": face, "camera": "mouth"}
+    told = client.finished(client.ask("POST", f"/api/takes/{take}/export", asked))
+    assert told["state"] == "done", told
+    with zipfile.ZipFile(io.BytesIO(client.ask("GET", told["file"]).body)) as archive:
+        assert archive.namelist() == ["hi.glb", "hi.mp4"]
+        assert len(archive.read("hi.glb")) > len(body)
+    gone = client.ask("POST", f"/api/takes/{take}/export", {"formats": [".glb"], "face": "x"})
+    assert gone.json["field"] == "face"
+
+
+def test_without_the_built_page_the_server_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mien.studio.routes.load_page", dict)
+    with studio() as running:
+        answer = running.ask("GET", "/")
+    assert answer.status == 503
+    assert b"make page" in answer.body

@@ -6,12 +6,12 @@ import re
 import shutil
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mien import api
 from mien.animation import Animation
-from mien.errors import InputError
+from mien.errors import InputError, Note
 from mien.face.face import Face
 from mien.output.registry import EXPORTERS
 from mien.studio.jobs import Job
@@ -50,8 +50,10 @@ class ResultShelf:
         """A result by its id; raises `mien.studio.keeping.Missing`."""
         return self._files.get(name)
 
-    def export(self, animation: Animation, export: Export, job: Job) -> tuple[str, str]:
+    def export(self, animation: Animation, export: Export, job: Job) -> tuple[str, str, tuple[Note, ...]]:
         """Write an animation in some formats; gives the id and the name of the file, a .zip if there are several.
+
+        The third are the notes of the writers.
 
         Raises
         ------
@@ -61,14 +63,14 @@ class ResultShelf:
         folder = self._folder / new_id()
         folder.mkdir()
         try:
-            made = [
-                _written(animation, folder / f"{file_stem(animation)}{suffix}", export, _Steps(job, n, export.formats))
-                for n, suffix in enumerate(export.formats)
-            ]
+            made = [folder / f"{file_stem(animation)}{suffix}" for suffix in export.formats]
+            notes: list[Note] = []
+            for number, path in enumerate(made):
+                notes += _written(animation, path, export, _Steps(job, number, export.formats))
             result = made[0] if len(made) == 1 else _zipped(made, folder / f"{file_stem(animation)}.zip")
             job.at("done", 1.0)
             size = sum(path.stat().st_size for path in folder.iterdir())
-            return self._files.put(ResultFile(result, result.name), size), result.name
+            return self._files.put(ResultFile(result, result.name), size), result.name, tuple(notes)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
@@ -104,20 +106,31 @@ class _Steps:
         self.job.at(f"writing {self.formats[self.number]}", (self.number + done / total) / len(self.formats))
 
 
-def _written(animation: Animation, path: Path, export: Export, steps: _Steps) -> Path:
+def _written(animation: Animation, path: Path, export: Export, steps: _Steps) -> tuple[Note, ...]:
     steps(0, 1)
     try:
-        if path.suffix == ".mp4" and isinstance(export.face, Face):
-            from mien.output.video import write_video
-
-            write_video(animation, export.face, path, progress=steps, renderer=export.shown.renderer(export.face))
-        else:
-            api.save(animation, path, face=export.face, progress=steps)
+        if path.suffix == ".mp4":
+            return _filmed(animation, path, export, steps)
+        return api.save(animation, path, face=export.face, progress=steps)
     except InputError as problem:
         told = str(problem).replace(str(path), path.name)
         told = told.replace(str(export.face), "the face") if isinstance(export.face, Path) else told
         raise InputError(told) from problem
-    return path
+
+
+def _filmed(animation: Animation, path: Path, export: Export, steps: _Steps) -> tuple[Note, ...]:
+    """A video from the page's camera, in its light."""
+    from mien.output.video import write_video
+
+    if isinstance(export.face, Face):
+        return write_video(animation, export.face, path, progress=steps, renderer=export.shown.renderer(export.face))
+    from mien.face.foreign.drawn import drawn_face
+    from mien.face.foreign.recognition import foreign_face
+
+    drawn = drawn_face(foreign_face(export.face))
+    moved = replace(animation, channels=drawn.track(animation.channels))
+    notes = write_video(moved, drawn.face, path, progress=steps, renderer=export.shown.renderer(drawn.face))
+    return (*(Note("warning", fault) for fault in drawn.notes), *notes)
 
 
 def checked_formats(asked: object) -> tuple[str, ...]:

@@ -33,11 +33,12 @@ from mien.modules.spoken import Spoken
 from mien.studio.faces import DEFAULT_FACE, FaceShelf
 from mien.studio.jobs import Job, JobPool
 from mien.studio.keeping import Kept
+from mien.studio.remembering import RememberingMouth
 from mien.studio.requests import FieldError, TakeRequest
 from mien.studio.results import Export, ResultShelf
 from mien.studio.rigs import RigShelf
 from mien.studio.settings import Limits
-from mien.studio.takes import Basis, Source, Take
+from mien.studio.takes import Basis, Source, Take, plain_notes
 from mien.studio.views import Shown
 
 __all__ = ["Workshop"]
@@ -105,8 +106,8 @@ class Workshop:
             job.at("face")
             own = load_face(DEFAULT_FACE) if tree is None else with_tree(self.rigs.face, tree)
             export = Export(own if foreign is None else foreign, shown, formats)
-            made, called = self.results.export(animation, export, job)
-            return {"file": f"/api/files/{made}/{called}"}
+            made, called, notes = self.results.export(animation, export, job)
+            return {"file": f"/api/files/{made}/{called}", "notes": plain_notes(notes)}
 
         return self.jobs.start(work)
 
@@ -162,7 +163,8 @@ class Workshop:
         key = request.performer, request.speech_model
         with self._lock:
             if key not in self._performers:
-                self._performers[key] = load_performer(*key)
+                loaded = load_performer(*key)
+                self._performers[key] = replace(loaded, mouth=RememberingMouth(loaded.mouth))
             return self._performers[key]
 
     def _speech(self, request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
