@@ -14,6 +14,7 @@ from mien.errors import InputError, Note
 from mien.face.face import Eye, Face, Material, Part, Target
 from mien.fitting.alignment import Alignment, align
 from mien.fitting.contact import Seam, dense_targets, lid_seam, lip_seam
+from mien.fitting.eye_cut import cut_out_eye, eye_patch
 from mien.fitting.head_mesh import HeadMesh, Piece, prepared_mesh
 from mien.fitting.head_space import HeadSpace, head_space
 from mien.fitting.landmarks import places_of_landmarks
@@ -42,6 +43,7 @@ _PARTS = {
     "shirt": ("shirt",),
 }
 _FOLDED = 0.001  # of the skin's area
+_EYE_FILLED = 0.4  # of the opening between the lids
 _JOINED = 0.5  # of the mouth's width
 _MOUTH_DEPTH_MM = 14.0
 _FOLLOWERS_MM = 12.0  # pieces farther than this from the skin do not move with it
@@ -184,6 +186,7 @@ class _Builder:
         triangles = self.head.triangles[self.head.of("skin")]
         vertices, triangles, kept = self._numbered(triangles)
         welded = self._welded(triangles, kept)
+        vertices, triangles = self._without_eyes(vertices, triangles, welded)
         carried = carry_over(self.space, self.skin, Surface(vertices, welded[triangles]))
         vertices, triangles, kept, welded, carried, cut = self._opened(vertices, triangles, kept, welded, carried)
         carried = _shared(carried, welded)
@@ -246,6 +249,19 @@ class _Builder:
         carried = carry_over(self.space, self.skin, Surface(vertices, welded[triangles]), side)
         return vertices, triangles, kept, welded, carried, True
 
+    def _without_eyes(self, vertices: Floats, triangles: Indices, welded: Indices) -> tuple[Floats, Indices]:
+        """Where eye and lids are one surface, the eye is cut out: an eyeball takes its place."""
+        if "eyes" not in self.added:
+            return vertices, triangles
+        skin = self.reshaped.face.part("skin").vertices.astype(np.float64)
+        for side in self.joined_eyes:
+            loop = self.space.lid_loop_left if side == "Left" else self.space.lid_loop_right
+            cut = cut_out_eye(vertices, triangles, welded, skin[loop])
+            vertices, triangles = cut.vertices, cut.triangles
+            told = f"the {side.lower()} eye was one surface with its lids: cut out for an eyeball"
+            self.notes.append(Note("note", f"{told}, faces removed: {cut.removed}"))
+        return vertices, triangles
+
     # ------------------------------------------------------------ motion
 
     def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Floats]:
@@ -291,7 +307,7 @@ class _Builder:
             own = lid_seam(side)
             wanted = own.gaps(self.skin + self.reshaped.targets[blink])
             targets[blink] += lids.closing(vertices + targets[blink], wanted)
-            gap = float(lids.gaps(vertices + targets[blink]).max())
+            gap = float(np.percentile(lids.gaps(vertices + targets[blink]), 95))
             lid_gap = gap if np.isnan(lid_gap) else max(gap, lid_gap)
         return lip_gap, max(lid_gap, 0.0) if not np.isnan(lid_gap) else lid_gap
 
@@ -351,11 +367,8 @@ class _Builder:
         eyes: list[Eye] = []
         lent = {part: key for key, names in _PARTS.items() if key in self.added for part in names}
         kinds = {piece.kind for piece in self.head.pieces}
-        if self.eye_pieces or self.joined_eyes:
+        if self.eye_pieces:
             lent.pop("caruncles", None)
-        for eye in own.eyes:
-            if eye.side in self.joined_eyes:
-                lent.pop(eye.part, None)
         for eye in own.eyes:
             piece = self.eye_pieces.get(eye.side)
             if piece is not None and not self._painted(piece) and eye.part in lent:
@@ -373,7 +386,11 @@ class _Builder:
         parts += [own.part(part_name) for part_name in lent]
         parts += self._own_pieces()
         if "mouth" in self.added and (cut or self._shallow(carried)):
-            parts.append(self._mouth())
+            parts.append(self._piece_of_skin("mouth", self.space.inside_mouth > 0.3))
+        if "eyes" in self.added and self.joined_eyes:
+            side = np.where(self.space.rest[:, 0] > 0, "Left", "Right")
+            behind = (self.space.socket > 0.2) & np.isin(side, self.joined_eyes)
+            parts.append(self._piece_of_skin("lid_backs", behind))
         return tuple(parts), tuple(eyes)
 
     def _painted(self, piece: Piece) -> bool:
@@ -435,21 +452,21 @@ class _Builder:
         depth = carried.matrix @ self.skin[:, 2]
         return bool(depth[there].min() > self.skin[self.space.lip_loop, 2].min() - _MOUTH_DEPTH_MM)
 
-    def _mouth(self) -> Part:
-        """The inside of the default's mouth, from where the lips turn inwards."""
+    def _piece_of_skin(self, name: str, vertices: NDArray[np.bool_]) -> Part:
+        """A piece of the default's skin: the mouth's inside from where the lips turn inwards, the backs of lids."""
         skin = self.reshaped.face.part("skin")
-        chosen = (self.space.inside_mouth[skin.triangles] > 0.3).all(axis=1)
+        chosen = vertices[skin.triangles].all(axis=1)
         used, local = np.unique(skin.triangles[chosen], return_inverse=True)
         number = np.full(len(skin.vertices), -1)
         number[used] = np.arange(len(used))
         targets = {}
-        for name, target in skin.targets.items():
+        for key, target in skin.targets.items():
             there = number[target.vertices] >= 0
             if there.any():
                 moved = number[target.vertices[there]].astype(np.int32)
-                targets[name] = Target(moved, target.offsets[there])
+                targets[key] = Target(moved, target.offsets[there])
         return Part(
-            "mouth", skin.vertices[used], local.reshape(-1, 3).astype(np.int32), skin.uv[used], skin.colours[used],
+            name, skin.vertices[used], local.reshape(-1, 3).astype(np.int32), skin.uv[used], skin.colours[used],
             skin.material, skin.head_weight[used], targets,
         )  # fmt: skip
 
@@ -472,10 +489,8 @@ class _Builder:
         bare = [side.lower() for side, piece in self.eye_pieces.items() if not self._painted(piece)]
         if bare and "eyes" in self.added:
             self.notes.append(Note("note", f"eyeballs without paint replaced by painted ones: {' and '.join(bare)}"))
-        for side in self.joined_eyes:
-            told = (
-                f"the {side.lower()} eye is one surface with its lids: no eyeball is put in, and a blink draws it along"
-            )
+        for side in self.joined_eyes if "eyes" not in self.added else ():
+            told = f"the {side.lower()} eye is one surface with its lids: it cannot turn, and a blink draws it along"
             self.notes.append(Note("warning", told))
         if folded:
             worst = max(folded, key=lambda each: folded[each])
@@ -490,12 +505,12 @@ class _Builder:
         side = key[4:].capitalize()
         loop = self.skin[self.space.lid_loop_left if side == "Left" else self.space.lid_loop_right]
         middle, half = (loop.max(0) + loop.min(0)) / 2, np.ptp(loop, axis=0) / 2
-        corner = self.head.vertices[self.head.triangles[self.head.of("skin")]]
-        facing = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        forward = facing[:, 2] > 0.5 * np.linalg.norm(facing, axis=1)
-        place = corner.mean(axis=1) - middle
-        inside = (np.abs(place[:, 0]) < 0.45 * half[0]) & (np.abs(place[:, 1]) < 0.5 * half[1])
-        return bool((inside & forward & (np.abs(place[:, 2]) < 8.0)).sum() >= 2)
+        small = middle + (loop - middle) * np.array([0.6, 0.6, 1.0])
+        triangles = self.head.triangles[self.head.of("skin")]
+        patch = eye_patch(self.head.vertices, triangles, small)
+        corner = self.head.vertices[triangles[patch]]
+        area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
+        return bool(area > _EYE_FILLED * np.pi * (0.6 * half[0]) * (0.6 * half[1]))
 
 
 def _shared(carried: Carried, welded: Indices) -> Carried:
