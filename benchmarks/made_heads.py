@@ -129,7 +129,7 @@ def z_up(vertices: np.ndarray) -> np.ndarray:
 def radial_grid(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Outermost surface on a grid of directions, 220 by 300, from the crown to the neck."""
     rows, columns = 220, 300
-    down = np.linspace(0.02, 0.62 * np.pi, rows)
+    down = np.linspace(0.02, 0.77 * np.pi, rows)
     around = np.linspace(-np.pi, np.pi, columns, endpoint=False)
     direction = np.stack(
         [np.outer(np.sin(down), np.sin(around)), np.outer(np.cos(down), np.ones(columns)),
@@ -137,7 +137,7 @@ def radial_grid(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray
     ).reshape(-1, 3)  # fmt: skip
     reach = np.full(len(direction), 170.0)
     surface = Surface(vertices, triangles)
-    for _ in range(60):  # slide inwards along the ray until the surface is met
+    for _ in range(45):  # slide inwards along the ray until the surface is met
         found = surface.closest(MIDDLE + reach[:, None] * direction, direction)
         gap = np.einsum("nc,nc->n", MIDDLE + reach[:, None] * direction - found.points, direction)
         reach -= np.clip(0.6 * gap, -4.0, 4.0)

@@ -5,6 +5,7 @@ import struct
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mien.errors import InputError
 from mien.fitting.mesh_files import read_mesh
@@ -110,3 +111,24 @@ def test_a_picture_needs_texture_places(tmp_path):
     (tmp_path / "a.ply").write_text(ASCII)
     with pytest.raises(InputError, match="no texture places"):
         read_mesh(tmp_path / "a.ply", tmp_path / "a.png")
+
+
+def test_obj_with_a_picture_is_split_at_its_seams(tmp_path):
+    Image.fromarray(np.full((4, 4, 3), 90, np.uint8)).save(tmp_path / "skin.png")
+    (tmp_path / "head.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+    text = "mtllib head.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.5\n"
+    (tmp_path / "head.obj").write_text(text + "f 1/1 2/2 3/3\nf 1/4 3/3 4/-1\n")
+    mesh = read_mesh(tmp_path / "head.obj")
+    assert mesh.texture is not None
+    assert mesh.texture.shape == (4, 4, 3)
+    assert mesh.triangles.tolist() == [[0, 1, 2], [4, 2, 3]]
+    np.testing.assert_allclose(mesh.vertices[4], mesh.vertices[0])
+    np.testing.assert_allclose(mesh.uv, [[0, 1], [1, 1], [1, 0], [0.5, 0.5], [0.5, 0.5]])
+
+
+def test_binary_ply_of_triangles_at_once(tmp_path):
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    head += "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    body = POINTS.tobytes() + struct.pack("<B3iB3i", 3, 0, 1, 2, 3, 0, 2, 3)
+    (tmp_path / "a.ply").write_bytes(head.encode() + body)
+    assert read_mesh(tmp_path / "a.ply").triangles.tolist() == [[0, 1, 2], [0, 2, 3]]

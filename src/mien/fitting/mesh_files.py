@@ -1,8 +1,9 @@
 """Bare meshes out of OBJ, PLY and GLB files.
 
-OBJ: `mien.face.obj.read_obj`. PLY: ASCII and binary, any number of corners, colours of vertices. GLB: all meshes of
-the default scene where their nodes put them, at rest (no skinning, no morph targets); the base colour texture if all
-share one material.
+OBJ: `mien.face.obj.read_obj`, with the picture that its material names; where a picture is used, vertices are split
+at the seams of their texture places (copies stand behind all others, so numbers stay those of the file). PLY: ASCII
+and binary, any number of corners, colours of vertices. GLB: all meshes of the default scene where their nodes put
+them, at rest (no skinning, no morph targets); the base colour texture if all share one material.
 """
 
 from __future__ import annotations
@@ -62,8 +63,7 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix == ".obj":
-        read = read_obj(path)
-        mesh = GivenMesh(read.vertices, read.triangles, read.uv, read.colours)
+        mesh, texture = _read_obj(path, texture)
     elif suffix == ".ply":
         mesh = _read_ply(path)
     elif suffix in (".glb", ".vrm"):
@@ -77,6 +77,81 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
     if not mesh.uv.any():
         raise InputError(f"{path} has no texture places for the picture {texture}")
     return GivenMesh(mesh.vertices, mesh.triangles, mesh.uv, mesh.colours, read_picture(texture))
+
+
+def _read_obj(path: Path, texture: str | Path | None) -> tuple[GivenMesh, str | Path | None]:
+    """An OBJ file; the picture that its material names, unless one is given or there are several."""
+    read = read_obj(path)
+    mesh = GivenMesh(read.vertices, read.triangles, read.uv, read.colours)
+    texture = texture if texture is not None else _picture_of_material(path)
+    return (mesh, None) if texture is None else (_split_at_seams(path, mesh), texture)
+
+
+def _lines(path: Path, *kinds: str) -> list[list[str]]:
+    """The fields of an OBJ or MTL file's lines of some kinds; a file that cannot be read has none."""
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    except OSError:
+        return []
+    rows = (line.split("#", 1)[0].split() for line in text.splitlines())
+    return [row for row in rows if row and row[0] in kinds]
+
+
+def _picture_of_material(path: Path) -> Path | None:
+    """The one picture (``map_Kd``) that the materials of an OBJ file name, if it lies beside it."""
+    found = set()
+    for row in _lines(path, "mtllib"):
+        for material in _lines(path.parent / " ".join(row[1:]), "map_Kd"):
+            picture = path.parent / material[-1].replace("\\", "/")
+            if picture.is_file():
+                found.add(picture)
+    return found.pop() if len(found) == 1 else None
+
+
+def _split_at_seams(path: Path, mesh: GivenMesh) -> GivenMesh:
+    """Give vertices with several texture places a copy for each further one, behind all others."""
+    rows = _lines(path, "v", "vt", "f")
+    places = [[float(row[1]), 1.0 - float(row[2]) if len(row) > 2 else 1.0] for row in rows if row[0] == "vt"]
+    if not places:
+        return mesh
+    corners: list[tuple[int, int]] = []
+    points = seen = 0
+    for row in rows:
+        points, seen = points + (row[0] == "v"), seen + (row[0] == "vt")
+        if row[0] == "f":
+            own = [_numbers_of(field, points, seen) for field in row[1:]]
+            corners += [own[k] for i in range(1, len(own) - 1) for k in (0, i, i + 1)]
+    pairs = np.array(corners)
+    kinds, first, which = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    number = np.full(len(kinds), -1)
+    taken: set[int] = set()
+    copies = []
+    for kind in np.argsort(first, kind="stable"):  # in the order of the file: a vertex keeps its first place
+        vertex = int(kinds[kind, 0])
+        if vertex in taken:
+            number[kind] = len(mesh.vertices) + len(copies)
+            copies.append(kind)
+        else:
+            taken.add(vertex)
+            number[kind] = vertex
+    source = kinds[copies, 0] if copies else np.zeros(0, dtype=np.int64)
+    at = np.where(kinds[copies, 1] >= 0, kinds[copies, 1], 0) if copies else source
+    return GivenMesh(
+        np.concatenate([mesh.vertices, mesh.vertices[source]]),
+        number[which.ravel()].reshape(-1, 3).astype(np.int32),
+        np.concatenate([mesh.uv, np.array(places)[at]]),
+        np.concatenate([mesh.colours, mesh.colours[source]]),
+    )
+
+
+def _numbers_of(field: str, points: int, places: int) -> tuple[int, int]:
+    """Numbers from 0 of a corner's vertex and its texture place (-1: none)."""
+    parts = field.split("/")
+    vertex = int(parts[0])
+    place = int(parts[1]) if len(parts) > 1 and parts[1] else 0
+    return (vertex - 1 if vertex > 0 else points + vertex), (
+        place - 1 if place > 0 else places + place if place else -1
+    )
 
 
 def _bytes(path: Path) -> bytes:
@@ -150,6 +225,10 @@ def _ply_binary(body: bytes, elements: list[dict[str, Any]], kind: str) -> dict[
             if element["name"] == "vertex":
                 rows["vertex"] = {f[-1]: (table[f[-1]].astype(np.float64), f[0]) for f in fields}
             continue
+        whole = _ply_triangles(body, fields, count, at, order)
+        if whole is not None:
+            rows["face"], at = whole, at + count * (1 + 12)
+            continue
         faces = []
         for _ in range(count):
             for field in fields:
@@ -167,11 +246,24 @@ def _ply_binary(body: bytes, elements: list[dict[str, Any]], kind: str) -> dict[
     return rows
 
 
+def _ply_triangles(body: bytes, fields: list[list[str]], count: int, at: int, order: str) -> NDArray[Any] | None:
+    """Faces that are triangles all, read at once; None where they are not, or have further fields."""
+    if len(fields) != 1 or _PLY_TYPES[fields[0][1]] != "u1" or _PLY_TYPES[fields[0][2]] not in ("i4", "u4"):
+        return None
+    dtype = np.dtype([("count", "u1"), ("corners", order + "i4", 3)])
+    if at + count * dtype.itemsize > len(body):
+        return None
+    table = np.frombuffer(body, dtype, count, at)
+    return np.asarray(table["corners"]) if bool((table["count"] == 3).all()) else None
+
+
 def _ply_mesh(rows: dict[str, Any]) -> GivenMesh:
     table = rows["vertex"]
     vertices = np.stack([table[axis][0] for axis in "xyz"], axis=1)
-    triangles = [(f[0], f[i], f[i + 1]) for f in rows.get("face", []) for i in range(1, len(f) - 1)]
-    faces = np.array(triangles, dtype=np.int64).reshape(-1, 3)
+    given = rows.get("face", [])
+    if isinstance(given, list):
+        given = [(f[0], f[i], f[i + 1]) for f in given for i in range(1, len(f) - 1)]
+    faces = np.array(given, dtype=np.int64).reshape(-1, 3)
     if faces.size and not 0 <= faces.min() <= faces.max() < len(vertices):
         raise ValueError(f"a face names a vertex beyond the {len(vertices)} there are")
     if not np.isfinite(vertices).all():
