@@ -70,7 +70,7 @@ def _check_unit(unit: str | None) -> None:
 
 def _parts(text: str) -> tuple[str, ...]:
     from mien.errors import unknown_name
-    from mien.fitting.fit_head import ADDED
+    from mien.fitting.head_parts import ADDED
 
     names = tuple(name.strip() for name in text.split(",") if name.strip() and name.strip() != "none")
     for name in names:

@@ -20,7 +20,7 @@ from PIL import Image, UnidentifiedImageError
 
 from mien.errors import InputError
 from mien.face.obj import read_obj
-from mien.fitting.fit_head import GivenMesh
+from mien.fitting.head_parts import GivenMesh
 
 __all__ = ["read_mesh", "read_picture"]
 
@@ -125,12 +125,12 @@ def _split_at_seams(path: Path, mesh: GivenMesh) -> GivenMesh:
     kinds, first, which = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
     number = np.full(len(kinds), -1)
     taken: set[int] = set()
-    copies = []
+    copies: list[int] = []
     for kind in np.argsort(first, kind="stable"):  # in the order of the file: a vertex keeps its first place
         vertex = int(kinds[kind, 0])
         if vertex in taken:
             number[kind] = len(mesh.vertices) + len(copies)
-            copies.append(kind)
+            copies.append(int(kind))
         else:
             taken.add(vertex)
             number[kind] = vertex
