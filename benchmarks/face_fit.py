@@ -122,29 +122,32 @@ def main() -> None:
     persons = Persons(parser.parse_args().wheel)
     fit_head(persons.shuffled("man").mesh, persons.shuffled("man").marks)  # compiles the loops: not timed
     rows, shapes = [], []
+
+    def keep(row: str) -> None:
+        rows.append(row)
+        write(rows, shapes)  # after each, so that a run that is stopped leaves what it has
+
     for name in persons.names:
         skin = persons.face(name).part("skin").vertices.astype(float)
         head = persons.shuffled(name)
         row, by_shape = row_of(f"{name}, shuffled, z up, metres", head, chosen(head, SOME), 1.0, skin)
-        rows.append(row)
         shapes.append(by_shape)
+        keep(row)
+    head = persons.body("woman")
+    keep(row_of("woman, MakeHuman's whole body, quads", head, chosen(head, SOME), 100.0)[0])
+    head = persons.scan("woman")
+    keep(row_of("woman, scanned: one surface", head, chosen(head, SOME), 1.0)[0])
     head = persons.shuffled("man")
     skin = persons.face("man").part("skin").vertices.astype(float)
     for label, marks in (
-        ("man, all landmarks", chosen(head, None)),
-        ("man, the needed ones alone", chosen(head, needed_landmarks())),
+        ("man, the needed landmarks alone", chosen(head, needed_landmarks())),
         ("man, landmarks 2 mm off", chosen(head, SOME, 2.0)),
         ("man, landmarks 4 mm off", chosen(head, SOME, 4.0)),
     ):
-        rows.append(row_of(label, head, marks, 1.0, skin)[0])
-    for name in ("woman", "old-man"):
-        head = persons.body(name)
-        rows.append(row_of(f"{name}, MakeHuman's whole body, quads", head, chosen(head, SOME), 100.0)[0])
+        keep(row_of(label, head, marks, 1.0, skin)[0])
     head = persons.finer("man")
-    rows.append(row_of("man, four times the triangles", head, chosen(head, SOME), 1.0)[0])
-    head = persons.scan("woman")
-    rows.append(row_of("woman, scanned: one surface", head, chosen(head, SOME), 1.0)[0])
-    write(rows, shapes)
+    keep(row_of("man, four times the triangles", head, chosen(head, SOME), 1.0)[0])
+    print(TABLE)
 
 
 def write(rows: list[str], shapes: list[dict[str, tuple[float, float, float, float]]]) -> None:
@@ -180,7 +183,6 @@ def write(rows: list[str], shapes: list[dict[str, tuple[float, float, float, flo
             lines.append(mean_row(f"`{name}`", some))
     with replace_when_complete(TABLE) as unfinished:
         unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(TABLE)
 
 
 def mean_row(label: str, some: list[tuple[float, float, float, float]]) -> str:

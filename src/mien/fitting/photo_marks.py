@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.errors import InputError, MissingPartError
 from mien.fitting.head_space import head_space
 from mien.fitting.landmarks import known_landmarks, other_side, read_landmarks
 
@@ -139,7 +139,10 @@ def marks_from_tracker(name: str, picture: NDArray[np.uint8]) -> Photo:
     """
     from mien.corpus.tracker import shared_tracker
 
-    found = shared_tracker().landmarks([picture])[0]
+    try:
+        found = shared_tracker().landmarks([picture])[0]
+    except MissingPartError as problem:
+        raise MissingPartError(f"{name}: no landmarks given, and {problem}; or give --landmarks") from problem
     if not np.isfinite(found).all():
         raise InputError(
             f"{name}: no face found in it (profiles are not): give its landmarks in a file with --landmarks"
