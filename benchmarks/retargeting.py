@@ -28,7 +28,7 @@ from mien.face.retargeting import Retargeter, basis_at
 from mien.face.retargeting_report import ambiguous_channels, residual_by_region
 from mien.files import replace_when_complete
 from mien.models.learned_mouth import NOT_BY_MARKERS
-from mien.models.marker_motion import RIDGE, STEADINESS, marker_places, neutral_of, to_face
+from mien.models.marker_motion import RIDGE, STEADINESS, neutral_of, skin_markers, to_face
 
 DOCS = Path(__file__).parent.parent / "docs"
 LAYOUT = "mediapipe-218"
@@ -58,7 +58,7 @@ def second_rig(face: Face) -> Face:
         }
         parts.append(replace(part, name=f"rig {part.name}", vertices=bent(part.vertices), targets=targets))
     eyes = tuple(replace(eye, part=f"rig {eye.part}") for eye in face.eyes)
-    return replace(face, name="second", parts=tuple(parts), eyes=eyes)
+    return replace(face, name="second", parts=tuple(parts), eyes=eyes, sites={})
 
 
 def solvers(face: Face, sites: tuple, used: tuple[str, ...], basis: np.ndarray, steady: bool) -> dict[str, Solve]:
@@ -85,7 +85,7 @@ def solvers(face: Face, sites: tuple, used: tuple[str, ...], basis: np.ndarray, 
 
 def round_trip(face: Face, channels: tuple[str, ...]) -> list[str]:
     layout = load_layout(LAYOUT)
-    places = marker_places(face, layout, layout.markers)
+    places = skin_markers(face, layout, layout.markers)
     basis = basis_at(face, places.sites, channels)
     used = tuple(n for n, rows in zip(channels, basis, strict=True) if np.abs(rows).max() > 0.05)
     basis = basis_at(face, places.sites, used)
@@ -103,7 +103,7 @@ def round_trip(face: Face, channels: tuple[str, ...]) -> list[str]:
 
 def real_motion(face: Face, corpus: Corpus, names: list[str]) -> list[str]:
     layout = load_layout(LAYOUT)
-    places = marker_places(face, layout, corpus.take(names[0]).markers.names)
+    places = skin_markers(face, layout, corpus.take(names[0]).markers.names)
     wanted = [n for n in ARKIT if n not in NOT_BY_MARKERS and not n.startswith("eyeLook")]
     basis = basis_at(face, places.sites, wanted)
     used = tuple(n for n, rows in zip(wanted, basis, strict=True) if np.abs(rows).max() > 0.05)
@@ -130,7 +130,7 @@ def real_motion(face: Face, corpus: Corpus, names: list[str]) -> list[str]:
 
 def ambiguities(face: Face) -> list[str]:
     layout = load_layout(LAYOUT)
-    places = marker_places(face, layout, layout.markers)
+    places = skin_markers(face, layout, layout.markers)
     there = [
         n
         for n in ARKIT

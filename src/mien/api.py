@@ -374,6 +374,13 @@ def _save_foreign(animation: Animation, target: Path, face: ForeignFace, progres
         shown = replace(animation, channels=drawn.track(animation.channels))
         notes = save_one(shown, target, face=drawn.face, progress=progress)
         return (*(Note("warning", fault) for fault in drawn.notes), *notes)
+    if target.suffix.lower() in (".usda", ".usdc", ".usdz", ".c3d"):
+        drawn = drawn_face(face)
+        told = "sums of channels are held in 0..1 by mien only: the file has one target for each channel"
+        return (Note("note", told), *save_one(animation, target, face=drawn.by_channels(), progress=progress))
+    if target.suffix.lower() == ".fap":
+        told = f"{target}: face animation parameters are measured on the default face, not on {face.document.path.name}"
+        return (Note("note", told), *save_one(animation, target))
     return save_one(animation, target)
 
 

@@ -1,8 +1,7 @@
 """Recorded marker motion on any face (SPEC A14), with a report of what the face cannot do.
 
-Markers are laid onto the face through its shapes: where a channel moves the default face, on which the markers of all
-layouts have their places (`mien.corpus.layouts`), and where the same channel moves this one, is the same place. So a
-face of another maker needs no landmarks, only morph targets that are known.
+Markers find their places on a face through its shapes (`mien.face.marker_sites`): a face of another maker needs no
+landmarks, only morph targets that are known.
 """
 
 from __future__ import annotations
@@ -14,14 +13,13 @@ from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from mien.channels import ALL, ARKIT, HEAD
 from mien.corpus.cleaning.normalise import best_similarity, neutral_frame
 from mien.corpus.layouts import Layout, load_layout
 from mien.errors import InputError
-from mien.face.face import Face, Part
-from mien.face.library import load_face
+from mien.face.face import Face
+from mien.face.marker_sites import place_markers
 from mien.face.rbf_retargeting import RbfRetargeter, sampled_pairs
 from mien.face.retargeting import Retargeter, Site, basis_at
 from mien.face.retargeting_report import AmbiguousChannel, RegionResidual, ambiguous_channels, residual_by_region
@@ -31,12 +29,12 @@ from mien.tracks import ChannelTrack, MarkerTrack
 __all__ = [
     "METHODS",
     "MarkerPairs",
-    "MarkerPlaces",
     "RetargetedMotion",
+    "SkinMarkers",
     "head_channels",
-    "marker_places",
     "neutral_of",
     "retarget",
+    "skin_markers",
     "to_face",
 ]
 
@@ -44,26 +42,18 @@ Floats = NDArray[np.float64]
 METHODS = ("least-squares", "rbf")
 RIDGE, STEADINESS = 1e-4, 2e-2
 """Of the least squares here: single shapes come back within 1 %, and a tracker's noise is calmed."""
-_PAIRED = (
-    "eyeBlink", "eyeSquint", "browOuterUp", "browDown", "noseSneer", "mouthSmile", "mouthUpperUp", "mouthLowerDown",
-)  # fmt: skip
-_ANCHORS = (
-    *(f"{name}{side}" for name in _PAIRED for side in ("Left", "Right")),
-    *("browInnerUp", "mouthPucker", "mouthShrugLower", "jawOpen"),
-)
-_LEAST_ANCHORS, _AFFINE_ANCHORS = 4, 8
 _IRIS = 468  # landmarks of MediaPipe's mesh from here on lie on the irises, not on the skin
 _MIXTURES = 600
 _NOISE_SHARE = 0.9999
 
 
 @dataclass(frozen=True)
-class MarkerPlaces:
-    """Where markers sit on a face: ``sites`` for ``markers``; ``anchors`` channels told where (0: the default face)."""
+class SkinMarkers:
+    """Markers on a face's skin: where each sits, and how that was found (`mien.face.marker_sites.Placed`)."""
 
     markers: tuple[str, ...]
     sites: tuple[Site, ...]
-    anchors: int
+    how: str
 
 
 @dataclass(frozen=True)
@@ -125,15 +115,15 @@ class RetargetedMotion:
     regions : tuple of RegionResidual
     ambiguous : tuple of AmbiguousChannel
         Channels that these markers can hardly tell from others: their weights are one answer of several.
-    anchors : int
-        As in `MarkerPlaces`.
+    how : str
+        How the markers found their places on the face, as in `SkinMarkers`.
     """
 
     channels: ChannelTrack
     used: tuple[str, ...]
     regions: tuple[RegionResidual, ...]
     ambiguous: tuple[AmbiguousChannel, ...]
-    anchors: int
+    how: str
 
     def lines(self) -> list[str]:
         """The report in words."""
@@ -147,73 +137,20 @@ class RetargetedMotion:
         return told
 
 
-def marker_places(face: Face, layout: Layout, markers: Sequence[str]) -> MarkerPlaces:
-    """Where the markers of a layout sit on a face; those on irises have no place.
+def skin_markers(face: Face, layout: Layout, markers: Sequence[str]) -> SkinMarkers:
+    """Where the markers of a layout sit on a face; those on irises are left out.
 
     Raises
     ------
     InputError
         If a marker is not in the layout, or too few of the face's shapes are known.
     """
+    layout.index(markers)
     iris = {name for landmark, name in layout.landmarks.items() if landmark >= _IRIS}
-    kept = tuple(name for name in markers if name not in iris)
-    places = layout.places[layout.index(kept)]
-    default = load_face("default")
-    skin = default.part("skin")
-    _, vertices = cKDTree(skin.vertices).query(places)
-    twin = next((part for part in face.parts if part.name == "skin"), None)
-    if twin is not None and len(twin.vertices) == len(skin.vertices):
-        return MarkerPlaces(kept, tuple(("skin", int(v)) for v in vertices), 0)
-    ours, theirs = _centres(default), _centres(face)
-    shared = [name for name in _ANCHORS if name in ours and name in theirs]
-    if len(shared) < _LEAST_ANCHORS:
-        raise InputError(
-            f"face {face.name!r}: markers find their places through shapes that both faces have; it has {len(shared)} "
-            f"of them ({', '.join(shared) or 'none'}), {_LEAST_ANCHORS} are needed, such as {', '.join(_ANCHORS[:4])}"
-        )
-    carry = _carrying(np.array([ours[name] for name in shared]), np.array([theirs[name] for name in shared]))
-    return MarkerPlaces(kept, _nearest(face, shared, places @ carry[:3] + carry[3]), len(shared))
-
-
-def _centres(face: Face) -> dict[str, Floats]:
-    """The middle of what each anchor moves, weighed by how far, mm."""
-    found: dict[str, Floats] = {}
-    for name in _ANCHORS:
-        points, weights = [], []
-        for part in face.parts:
-            target = part.targets.get(name)
-            if target is not None and len(target.vertices):
-                points.append(part.vertices[target.vertices].astype(np.float64))
-                weights.append((target.offsets.astype(np.float64) ** 2).sum(axis=1))
-        total = float(sum(weight.sum() for weight in weights))
-        if total > 0:
-            joined, shares = np.concatenate(points), np.concatenate(weights) / total
-            found[name] = shares @ joined
-    return found
-
-
-def _carrying(ours: Floats, theirs: Floats) -> Floats:
-    """An affine map as rows (4, 3): the similarity of best fit, bent to the anchors where there are enough of them."""
-    alike = best_similarity(ours, theirs, np.ones(len(ours)), scale=True)
-    start = np.vstack([alike[:3, :3].T, alike[:3, 3]])
-    if len(ours) < _AFFINE_ANCHORS:
-        return start
-    design = np.hstack([ours, np.ones((len(ours), 1))])
-    spread = np.diag([1e2, 1e2, 1e3, 1e-2])  # depth is told worst by anchors on the front of a face
-    change = np.linalg.solve(design.T @ design + spread, design.T @ (theirs - design @ start))
-    return np.asarray(start + change)
-
-
-def _nearest(face: Face, shared: Sequence[str], places: Floats) -> tuple[Site, ...]:
-    """The nearest vertices among parts that many anchors move: the skin, not teeth and lashes."""
-    moved = [sum(name in part.targets for name in shared) for part in face.parts]
-    skins: list[Part] = [part for part, count in zip(face.parts, moved, strict=True) if 2 * count >= max(moved)]
-    largest = max(len(part.vertices) for part in skins)
-    skins = [part for part in skins if 10 * len(part.vertices) >= largest]
-    points = np.concatenate([part.vertices for part in skins])
-    owners = [(part.name, vertex) for part in skins for vertex in range(len(part.vertices))]
-    _, rows = cKDTree(points).query(places)
-    return tuple(owners[int(row)] for row in rows)
+    placed = place_markers(face, layout)
+    site = dict(zip(placed.names, placed.sites, strict=True))
+    kept = tuple(name for name in markers if name in site and name not in iris)
+    return SkinMarkers(kept, tuple(site[name] for name in kept), placed.how)
 
 
 def retarget(
@@ -253,7 +190,7 @@ def retarget(
     if pairs is not None and method != "rbf":
         raise InputError("pairs are for the method rbf")
     layout = load_layout(layout) if isinstance(layout, str) else layout
-    places = marker_places(face, layout, motion.names)
+    places = skin_markers(face, layout, motion.names)
     columns = [motion.names.index(name) for name in places.markers]
     positions = motion.positions[:, columns]
     if not np.isfinite(positions).all():
@@ -282,7 +219,7 @@ def retarget(
         tuple(used),
         residual_by_region(asked, reached, places.markers, layout.groups),
         ambiguous_channels(basis, used) if method == "least-squares" or pairs is None else (),
-        places.anchors,
+        places.how,
     )
 
 
@@ -301,15 +238,15 @@ def neutral_of(motion: MarkerTrack, layout: Layout) -> int:
     return neutral_frame(motion, groups.upper_lip, groups.lower_lip, layout.rigid)
 
 
-def to_face(rest: Floats, face: Face, layout: Layout, places: MarkerPlaces) -> Floats:
+def to_face(rest: Floats, face: Face, layout: Layout, places: SkinMarkers) -> Floats:
     """From the speaker's axes and size to the face's, (3, 3): by the markers at rest and their places on the face."""
     parts = {part.name: part for part in face.parts}
     sites = np.array([parts[name].vertices[vertex] for name, vertex in places.sites], dtype=np.float64)
-    goal = sites if places.anchors else layout.places[layout.index(places.markers)]
+    goal = sites if places.how == "transferred" else layout.places[layout.index(places.markers)]
     return best_similarity(rest, goal, np.ones(len(rest)), scale=True)[:3, :3]
 
 
-def _sought(face: Face, places: MarkerPlaces) -> tuple[str, ...]:
+def _sought(face: Face, places: SkinMarkers) -> tuple[str, ...]:
     """ARKit's channels that move the sites and that markers can tell."""
     there = {name for part in face.parts for name in part.targets}
     names = [n for n in ARKIT if n in there and n not in NOT_BY_MARKERS and not n.startswith("eyeLook")]

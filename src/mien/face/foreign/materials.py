@@ -83,6 +83,8 @@ class SurfaceReader:
             colour = colour * np.array(_PLAIN_SKIN if skin else _PLAIN)
         mode = facts.get("alphaMode", "OPAQUE")
         opacity = picture[:, :, 3] if picture is not None and mode != "OPAQUE" else None
+        if picture is not None and opacity is not None:
+            picture = _without_fringes(picture)
         alpha = float(factor[3]) if len(factor) > 3 and mode != "OPAQUE" else 1.0
         return Surface(
             material=Material(
@@ -121,6 +123,17 @@ class SurfaceReader:
         except (InputError, OSError, ValueError, SyntaxError, Image.DecompressionBombError) as problem:
             self.faults.append(f"material {name!r} is drawn in one colour: {problem}")
             return None
+
+
+def _without_fringes(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """See-through pixels in the mean colour of the others: what a program left below zero alpha is often black."""
+    share = picture[:, :, 3:].astype(np.float64) / 255.0
+    if not share.any():
+        return picture
+    mean = (picture[:, :, :3] * share).sum(axis=(0, 1)) / share.sum()
+    result = picture.copy()
+    result[:, :, :3] = np.round(picture[:, :, :3] * share + mean * (1.0 - share)).astype(np.uint8)
+    return result
 
 
 def _coordinates(given: object) -> int:
