@@ -13,11 +13,11 @@ interface Lighting { lamps: Lamp[]; sky: number; ground: number; dome: number; a
 export const LIGHTINGS: Readonly<Record<string, Lighting>> = {
   portrait: {
     lamps: [
-      { from: [0.55, 0.5, 0.8], colour: 0xfff0e2, strength: 2.5, shadow: true },
+      { from: [0.55, 0.5, 0.8], colour: 0xfff0e2, strength: 2.15, shadow: true },
       { from: [-0.8, 0.05, 0.6], colour: 0xcfe0ff, strength: 0.5 },
       { from: [-0.85, 0.42, -0.52], colour: 0xe8f0ff, strength: 2.4 },
     ],
-    sky: 0xdfe8f5, ground: 0x4a3a33, dome: 0.35, around: 0.38, back: ['#3b3e44', '#17181b'],
+    sky: 0xdfe8f5, ground: 0x4a3a33, dome: 0.3, around: 0.3, back: ['#3b3e44', '#17181b'],
   },
   soft: {
     lamps: [

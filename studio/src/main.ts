@@ -81,7 +81,7 @@ async function start(): Promise<void> {
   const told = make('div', { class: 'told', role: 'status', 'aria-live': 'polite' });
   const toast = make('p', { class: 'toast', role: 'alert', hidden: true });
   const stageArea = make('section', { id: 'stage', 'aria-label': 'Face' }, backdrop, make('div', { class: 'looks' }, views, lights), told, toast);
-  document.body.append(make('main', {}, stageArea, tabs.element, transport(playback, session, () => help.showModal()), timeline.element, help));
+  document.body.append(make('main', {}, make('h1', { class: 'visually-hidden' }, 'mien studio'), stageArea, tabs.element, transport(playback, session, () => help.showModal()), timeline.element, help));
 
   session.on('frames', show);
   playback.on('time', show);

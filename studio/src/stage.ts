@@ -1,11 +1,12 @@
 // The face in its light: three.js, drawn only when something has changed.
-import { FaceRig } from 'mien-viewer';
+import { FaceRig, type Recipe } from 'mien-viewer';
 import {
   ACESFilmicToneMapping, Box3, Group, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene, SRGBColorSpace,
   Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Object3D, type Texture,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality } from './looks';
 import { takeOver, type SparseMorphs } from './sparse_morphs';
@@ -63,10 +64,10 @@ export class Stage {
   /** Asks for a new picture. */
   touch(): void { this.dirty = true; }
 
-  /** Shows a GLB as the face. */
-  async show(glb: ArrayBuffer): Promise<FaceRig> {
-    const { scene } = await new GLTFLoader().parseAsync(glb, '');
-    const rig = new FaceRig(scene);
+  /** Shows a GLB as the face; `recipes` say what drives its targets, where mien has found it out. */
+  async show(glb: ArrayBuffer, recipes?: Readonly<Record<string, Recipe>>): Promise<FaceRig> {
+    const { scene } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).parseAsync(glb, '');
+    const rig = new FaceRig(scene, recipes === undefined ? {} : { recipes });
     const meshes: Mesh[] = [];
     scene.traverse((part) => { if ((part as Mesh).isMesh) meshes.push(part as Mesh); });
     for (const mesh of meshes) {

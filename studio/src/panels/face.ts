@@ -1,14 +1,16 @@
 // Which face performs: the shipped one or a GLB of one's own, with what of it can move.
 import * as api from '../api';
 import { button, make } from '../dom';
+import type { Recipe } from 'mien-viewer';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
 
-interface Report { meshes: { mesh: string; driven: Record<string, unknown>; unknown: string[] }[]; nodes: Record<string, string> }
+interface Report { meshes: { mesh: string; driven: Record<string, Recipe>; unknown: string[] }[]; nodes: Record<string, string> }
 
 export class FacePanel {
   readonly element = make('div', { class: 'panel', id: 'panel-face' });
   id: string;
+  private readonly known = new Map<string, Record<string, Recipe>>();
   private readonly file = make('input', { type: 'file', accept: '.glb,.vrm,model/gltf-binary', class: 'visually-hidden', id: 'field-face' });
   private readonly report = make('div', { class: 'report', 'aria-live': 'polite' });
 
@@ -22,8 +24,9 @@ export class FacePanel {
     this.file.addEventListener('change', () => void this.upload(this.file.files?.[0]));
   }
 
-  async show(id: string): Promise<void> {
-    await this.stage.show(await api.face(id));
+  async show(id: string, recipes?: Record<string, Recipe>): Promise<void> {
+    await this.stage.show(await api.face(id), recipes ?? this.known.get(id));
+    if (recipes !== undefined) this.known.set(id, recipes);
     this.id = id;
     if (id === this.session.about.default_face) this.report.replaceChildren();
     this.shown();
@@ -34,8 +37,9 @@ export class FacePanel {
     if (file === undefined) return;
     await this.session.work(async () => {
       const { face, report } = await api.addFace(file);
-      await this.show(face);
-      this.tell(file.name, report as Report);
+      const told = report as Report;
+      await this.show(face, Object.assign({}, ...told.meshes.map(({ driven }) => driven)) as Record<string, Recipe>);
+      this.tell(file.name, told);
     });
   }
 

@@ -92,7 +92,7 @@ export class RigEditor {
 
   private colour(part: Part): void {
     const count = part.rest.length / 3;
-    const values = new Float32Array(3 * count).fill(0.55);
+    const values = new Float32Array(3 * count).fill(0.34);
     const influence = this.step.influences[this.chosen]?.[part.name];
     influence?.vertices.forEach((v, i) => values.set(heat(influence.weights[i] as number), 3 * v));
     part.mesh.geometry.setAttribute('color', new BufferAttribute(values, 3));
@@ -221,7 +221,7 @@ function partOf(name: string, mesh: Mesh): Part {
 /** Grey without weight; blue, green, yellow, red as it rises; violet below zero. */
 export function heat(weight: number): [number, number, number] {
   if (weight < 0) return [0.5, 0.1, 0.6];
-  const stops: [number, number, number][] = [[0.5, 0.52, 0.58], [0.12, 0.3, 0.75], [0.1, 0.6, 0.3], [0.85, 0.65, 0.08], [0.8, 0.12, 0.06]];
+  const stops: [number, number, number][] = [[0.3, 0.32, 0.38], [0.12, 0.3, 0.75], [0.1, 0.6, 0.3], [0.85, 0.65, 0.08], [0.8, 0.12, 0.06]];
   const at = Math.min(weight, 1) * (stops.length - 1);
   const place = Math.min(Math.floor(at), stops.length - 2);
   const [from, to] = [stops[place] as [number, number, number], stops[place + 1] as [number, number, number]];

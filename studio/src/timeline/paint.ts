@@ -103,7 +103,7 @@ export function paintIntensity({ context, width, height, window, colour }: Brush
   context.stroke();
 }
 
-const INSET = 6; // px: as the handles' layer in style.css
+const INSET = 9; // px: as the handles' layer in style.css
 const level = (value: number, height: number): number => height - INSET - value * (height - 2 * INSET);
 
 /** A channel over time, from its lowest to its highest value. */
