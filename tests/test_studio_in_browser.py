@@ -13,8 +13,24 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mien.face.tree_config import read_tree
+from mien.face.tree_data import config_data
 from tests.node import ROOT, chromium, installed, run
 
+TREE = """mien-tree 1
+parameter jaw
+  rotation axis 1 0 0 pivot 0 -20 -60
+  group skeletal
+  sphere 0 -70 0 radius 20 soft 40
+parameter trunk
+  fixed
+  group skeletal
+  side 0 -1 0 of 0 -80 0 soft 20
+parameter smile
+  translation 3 4 -1
+  parent jaw
+  sphere 25 -64 16 radius 6 soft 18
+"""
 CHECK = ROOT / "tests" / "studio_check" / "check.mjs"
 
 
@@ -39,9 +55,9 @@ def seen(address: str, tmp_path_factory: pytest.TempPathFactory) -> dict:
 
     browser, package, folder = chromium(), installed("studio"), tmp_path_factory.mktemp("studio")
     mien.save(mien.say("I never said that."), folder / "line.wav")
-    printed = run(
-        "node", str(CHECK), str(package), address, browser, str(folder), str(folder / "line.wav"), folder=ROOT
-    )
+    (folder / "small.tree").write_text(TREE, "utf-8")
+    given = (str(folder), str(folder / "line.wav"), str(folder / "small.tree"))
+    printed = run("node", str(CHECK), str(package), address, browser, *given, folder=ROOT)
     return json.loads(printed.splitlines()[-1]) | {"folder": folder}
 
 
@@ -105,6 +121,14 @@ def test_the_keyboard_alone_does_it(seen):
     assert keys["next"] == "border-1"
     assert keys["still"] == "border-1", "the focus is lost when the line is performed anew"
     assert (keys["help"], keys["closed"]) == (1, 0)
+
+
+def test_a_tree_is_moved_painted_and_saved(seen):
+    assert 0 <= seen["rig"]["apart"] < 1e-3, "mm"
+    smile = config_data(read_tree(seen["folder"] / "saved.tree"))["parameters"][2]
+    assert smile["translation"] == [7.0, 4.0, -1.0]
+    assert {region["shape"] for region in smile["regions"]} == {"weights"}
+    assert 0 <= seen["rig"]["saved"] < 1e-3, "mm"
 
 
 @pytest.mark.parametrize("name", ["desk.png", "phone-line.png", "phone-timeline.png"])

@@ -28,7 +28,7 @@ interface Stats {
   /** What the first mesh with such a morph target stands at. */
   influence: (target: string) => number | undefined;
   /** The face under the tree in the deformation editor: parts' vertices one after the other, mm, and the parameter's values. */
-  tree: () => { values: Record<string, number>; vertices: Float32Array[] } | null;
+  tree: () => { rig: string; values: Record<string, number>; vertices: Float32Array[] } | null;
 }
 
 declare global {
@@ -110,7 +110,7 @@ async function start(): Promise<void> {
   window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work,
     shown: () => (session.clip === undefined ? null : { take: session.take?.take ?? '', seconds: playback.now, channels: session.clip.channels, values: session.clip.values }),
     influence: (target) => stage.influence(target),
-    tree: () => (rig?.editor === undefined ? null : { values: Object.fromEntries(rig.editor.values), vertices: rig.editor.vertices() }) };
+    tree: () => (rig?.editor === undefined ? null : { rig: rig.id, values: Object.fromEntries(rig.editor.values), vertices: rig.editor.vertices() }) };
   const tick = (): void => {
     playback.tick();
     stage.draw(playback.playing);

@@ -1,10 +1,10 @@
-// node check.mjs PACKAGE ADDRESS CHROMIUM FOLDER SOUND.wav
+// node check.mjs PACKAGE ADDRESS CHROMIUM FOLDER SOUND.wav FACE.tree
 // Does the whole job in the studio's page as a person would, and prints what was seen as one JSON line. PACKAGE is the
 // folder whose node_modules hold playwright-core. Pictures and downloads go into FOLDER.
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 
-const [packageFolder, address, executablePath, folder, sound] = process.argv.slice(2);
+const [packageFolder, address, executablePath, folder, sound, tree] = process.argv.slice(2);
 const { chromium } = createRequire(join(packageFolder, 'package.json'))('playwright-core');
 // Software rendering; and no calls home, which a closed network would only refuse.
 const ARGUMENTS = [
@@ -146,6 +146,38 @@ try {
   await page.click('#tab-face');
   seen.face = await page.locator('.report').innerText();
   await page.click('#default-face');
+
+  // The deformation editor: a tree is opened, moved, painted, saved; the server's own posing is the referee.
+  await page.click('#tab-rig');
+  await page.setInputFiles('#field-tree', tree);
+  await page.waitForFunction(() => window.mienStats.tree());
+  await settled();
+  await page.selectOption('#field-parameter', 'jaw');
+  await page.locator('#field-value').evaluate((slider) => {
+    slider.value = '12';
+    slider.dispatchEvent(new Event('input', { bubbles: true }));
+  });
+  const apartFromServer = () => page.evaluate(async () => {
+    const { rig, values, vertices } = window.mienStats.tree();
+    const asked = { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ values }) };
+    const theirs = new Float32Array(await (await fetch(`/api/rigs/${rig}/pose`, asked)).arrayBuffer());
+    const ours = vertices.flatMap((part) => [...part]);
+    return ours.length === theirs.length ? ours.reduce((most, one, place) => Math.max(most, Math.abs(one - theirs[place])), 0) : -1;
+  });
+  seen.rig = { apart: await apartFromServer() };
+  await page.selectOption('#field-parameter', 'smile');
+  await page.click('#paint');
+  const picture = await page.locator('.backdrop').boundingBox();
+  await page.mouse.move(picture.x + picture.width * 0.46, picture.y + picture.height * 0.5);
+  await page.mouse.down();
+  await page.mouse.move(picture.x + picture.width * 0.47, picture.y + picture.height * 0.52);
+  await page.mouse.up();
+  await page.screenshot({ path: join(folder, 'rig.png') });
+  await page.locator('.vector input').first().fill('7');
+  const [saved] = await Promise.all([page.waitForEvent('download'), page.click('#save-tree')]);
+  await saved.saveAs(join(folder, 'saved.tree'));
+  await settled();
+  seen.rig.saved = await apartFromServer();
 
   // A fault stands at its field.
   await page.click('#tab-line');

@@ -25,7 +25,8 @@ export class RigPanel {
   private readonly erase = make('input', { type: 'checkbox' });
   private readonly paint = button('Paint', () => this.setPainting(!(this.editor?.painting ?? false)), { 'aria-pressed': 'false', id: 'paint' });
   private readonly undo = button('Undo', () => this.editor?.undo(), { disabled: true });
-  private id = 'default';
+  /** The server's name for the tree that is open. */
+  id = 'default';
 
   /** @param enter called before the editor takes the stage: shows the default face at rest; `leave` when it gives it back */
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly enter: () => Promise<void>, private readonly leave: () => void) {
