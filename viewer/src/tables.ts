@@ -444,34 +444,44 @@ export const CONVENTIONS: readonly Convention[] = [
   "needs": 3,
   "targets": {
    "visemepp": {
-    "mouthPressLeft": 0.6,
-    "mouthPressRight": 0.6,
+    "mouthPressLeft": 1.2,
+    "mouthPressRight": 1.2,
     "mouthClose": 1.5
    },
    "visemeff": {
     "mouthRollLower": 1.1
    },
    "visemeth": {
-    "tongueOut": 1.2
+    "tongueOut": 1.4
    },
    "visemedd": {
-    "tongueTipUp": 0.8
+    "tongueTipUp": 0.8,
+    "mouthFunnel": -0.8
    },
    "visemekk": {
     "tongueBackUp": 0.8
    },
    "visemech": {
-    "mouthShrugUpper": 0.6,
-    "mouthFunnel": 0.3
+    "mouthFunnel": 0.6,
+    "mouthPucker": 0.3,
+    "tongueTipUp": 0.5,
+    "jawOpen": -1.0
    },
    "visemess": {
-    "tongueBladeUp": 0.6
+    "mouthLowerDownLeft": 0.6,
+    "mouthLowerDownRight": 0.6,
+    "jawOpen": -1.5,
+    "mouthFunnel": -1.0
    },
    "visemenn": {
-    "tongueTipUp": 0.6
+    "tongueTipUp": 0.3,
+    "mouthFunnel": -0.3
    },
    "visemerr": {
-    "tongueCurl": 0.8
+    "mouthFunnel": 0.5,
+    "tongueTipUp": 0.5,
+    "mouthLowerDownLeft": -1.0,
+    "mouthLowerDownRight": -1.0
    },
    "visemeaa": {
     "jawOpen": 1.4,
@@ -479,20 +489,20 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "visemee": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "visemei": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
    "visemeih": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -509,34 +519,44 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "vpp": {
-    "mouthPressLeft": 0.6,
-    "mouthPressRight": 0.6,
+    "mouthPressLeft": 1.2,
+    "mouthPressRight": 1.2,
     "mouthClose": 1.5
    },
    "vff": {
     "mouthRollLower": 1.1
    },
    "vth": {
-    "tongueOut": 1.2
+    "tongueOut": 1.4
    },
    "vdd": {
-    "tongueTipUp": 0.8
+    "tongueTipUp": 0.8,
+    "mouthFunnel": -0.8
    },
    "vkk": {
     "tongueBackUp": 0.8
    },
    "vch": {
-    "mouthShrugUpper": 0.6,
-    "mouthFunnel": 0.3
+    "mouthFunnel": 0.6,
+    "mouthPucker": 0.3,
+    "tongueTipUp": 0.5,
+    "jawOpen": -1.0
    },
    "vss": {
-    "tongueBladeUp": 0.6
+    "mouthLowerDownLeft": 0.6,
+    "mouthLowerDownRight": 0.6,
+    "jawOpen": -1.5,
+    "mouthFunnel": -1.0
    },
    "vnn": {
-    "tongueTipUp": 0.6
+    "tongueTipUp": 0.3,
+    "mouthFunnel": -0.3
    },
    "vrr": {
-    "tongueCurl": 0.8
+    "mouthFunnel": 0.5,
+    "tongueTipUp": 0.5,
+    "mouthLowerDownLeft": -1.0,
+    "mouthLowerDownRight": -1.0
    },
    "vaa": {
     "jawOpen": 1.4,
@@ -544,20 +564,20 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "ve": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "vi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
    "vih": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -574,34 +594,44 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "vrcvpp": {
-    "mouthPressLeft": 0.6,
-    "mouthPressRight": 0.6,
+    "mouthPressLeft": 1.2,
+    "mouthPressRight": 1.2,
     "mouthClose": 1.5
    },
    "vrcvff": {
     "mouthRollLower": 1.1
    },
    "vrcvth": {
-    "tongueOut": 1.2
+    "tongueOut": 1.4
    },
    "vrcvdd": {
-    "tongueTipUp": 0.8
+    "tongueTipUp": 0.8,
+    "mouthFunnel": -0.8
    },
    "vrcvkk": {
     "tongueBackUp": 0.8
    },
    "vrcvch": {
-    "mouthShrugUpper": 0.6,
-    "mouthFunnel": 0.3
+    "mouthFunnel": 0.6,
+    "mouthPucker": 0.3,
+    "tongueTipUp": 0.5,
+    "jawOpen": -1.0
    },
    "vrcvss": {
-    "tongueBladeUp": 0.6
+    "mouthLowerDownLeft": 0.6,
+    "mouthLowerDownRight": 0.6,
+    "jawOpen": -1.5,
+    "mouthFunnel": -1.0
    },
    "vrcvnn": {
-    "tongueTipUp": 0.6
+    "tongueTipUp": 0.3,
+    "mouthFunnel": -0.3
    },
    "vrcvrr": {
-    "tongueCurl": 0.8
+    "mouthFunnel": 0.5,
+    "tongueTipUp": 0.5,
+    "mouthLowerDownLeft": -1.0,
+    "mouthLowerDownRight": -1.0
    },
    "vrcvaa": {
     "jawOpen": 1.4,
@@ -609,20 +639,20 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "vrcve": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "vrcvi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
    "vrcvih": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -639,34 +669,44 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "pp": {
-    "mouthPressLeft": 0.6,
-    "mouthPressRight": 0.6,
+    "mouthPressLeft": 1.2,
+    "mouthPressRight": 1.2,
     "mouthClose": 1.5
    },
    "ff": {
     "mouthRollLower": 1.1
    },
    "th": {
-    "tongueOut": 1.2
+    "tongueOut": 1.4
    },
    "dd": {
-    "tongueTipUp": 0.8
+    "tongueTipUp": 0.8,
+    "mouthFunnel": -0.8
    },
    "kk": {
     "tongueBackUp": 0.8
    },
    "ch": {
-    "mouthShrugUpper": 0.6,
-    "mouthFunnel": 0.3
+    "mouthFunnel": 0.6,
+    "mouthPucker": 0.3,
+    "tongueTipUp": 0.5,
+    "jawOpen": -1.0
    },
    "ss": {
-    "tongueBladeUp": 0.6
+    "mouthLowerDownLeft": 0.6,
+    "mouthLowerDownRight": 0.6,
+    "jawOpen": -1.5,
+    "mouthFunnel": -1.0
    },
    "nn": {
-    "tongueTipUp": 0.6
+    "tongueTipUp": 0.3,
+    "mouthFunnel": -0.3
    },
    "rr": {
-    "tongueCurl": 0.8
+    "mouthFunnel": 0.5,
+    "tongueTipUp": 0.5,
+    "mouthLowerDownLeft": -1.0,
+    "mouthLowerDownRight": -1.0
    },
    "aa": {
     "jawOpen": 1.4,
@@ -674,8 +714,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "ih": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -698,8 +738,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "i": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -707,10 +747,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "e": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "o": {
     "mouthFunnel": 1.0
@@ -726,8 +766,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "ih": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -738,16 +778,16 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "ee": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "eh": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "oh": {
     "mouthFunnel": 1.0
@@ -758,8 +798,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "い": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -767,10 +807,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "え": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "お": {
     "mouthFunnel": 1.0
@@ -781,8 +821,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "fclmthi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -790,10 +830,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "fclmthe": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "fclmtho": {
     "mouthFunnel": 1.0
@@ -804,8 +844,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "mouthi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -813,10 +853,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "mouthe": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "moutho": {
     "mouthFunnel": 1.0
@@ -827,8 +867,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "voweli": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -836,10 +876,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "vowele": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "vowelo": {
     "mouthFunnel": 1.0
@@ -850,8 +890,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "lipi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -859,10 +899,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "lipe": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "lipo": {
     "mouthFunnel": 1.0
@@ -873,8 +913,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "mi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -882,10 +922,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "me": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "mo": {
     "mouthFunnel": 1.0
@@ -896,8 +936,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "mthi": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -905,10 +945,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "mthe": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "mtho": {
     "mouthFunnel": 1.0
@@ -919,8 +959,8 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": -0.7
    },
    "mouthshapei": {
-    "mouthStretchLeft": 0.6,
-    "mouthStretchRight": 0.6,
+    "mouthStretchLeft": 0.8,
+    "mouthStretchRight": 0.8,
     "mouthSmileLeft": 0.15,
     "mouthSmileRight": 0.15
    },
@@ -928,10 +968,10 @@ export const CONVENTIONS: readonly Convention[] = [
     "mouthPucker": 1.0
    },
    "mouthshapee": {
-    "mouthUpperUpLeft": 0.4,
-    "mouthUpperUpRight": 0.4,
-    "mouthLowerDownLeft": 0.4,
-    "mouthLowerDownRight": 0.4
+    "mouthUpperUpLeft": 0.5,
+    "mouthUpperUpRight": 0.5,
+    "mouthLowerDownLeft": 0.5,
+    "mouthLowerDownRight": 0.5
    },
    "mouthshapeo": {
     "mouthFunnel": 1.0
