@@ -15,6 +15,7 @@ from mien.audio_files import read_audio
 from mien.edits import EMPTY, EditLayer, read_layer
 from mien.errors import InputError, Note
 from mien.face.face import Face
+from mien.models.authored_idle import AuthoredIdle
 from mien.models.authored_prosody import DEFAULT_STRENGTH, AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
@@ -50,6 +51,7 @@ def say(
     performer: Performer | str | Path = "default",
     speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
+    alive: str = "all",
     commands: str | Path | Sequence[str | Path] = (),
     edits: EditLayer | str | Path | None = None,
 ) -> Animation:
@@ -81,6 +83,9 @@ def say(
         far as the performer has learned it; None takes the performer's own.
     prosody : float or "off"
         How much brows and head go with the accents and phrase ends of the voice: 0 (or ``"off"``) to 1.
+    alive : str
+        Which signs of life besides: ``"blinks"``, ``"gaze"``, ``"head"`` (with the voice, learned), ``"sway"`` (a slow
+        drift of it), with commas between; ``"all"`` or ``"off"``.
     commands : path-like or sequence of path-like
         Folders with command files of your own (``docs/commands.md``).
     edits : EditLayer, path-like or None
@@ -105,7 +110,7 @@ def say(
     if _split_auto(emotion)[1]:
         raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
     layer = _layer(edits)
-    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
+    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody, alive)
     spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
@@ -122,6 +127,7 @@ def animate(
     performer: Performer | str | Path = "default",
     speech_model: str | None = None,
     prosody: float | str = DEFAULT_STRENGTH,
+    alive: str = "all",
     commands: str | Path | Sequence[str | Path] = (),
     edits: EditLayer | str | Path | None = None,
 ) -> Animation:
@@ -142,7 +148,7 @@ def animate(
     emotion
         As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
         (``docs/emotion.md``), neutral where it is not sure.
-    fps, seed, performer, speech_model, prosody, commands, edits
+    fps, seed, performer, speech_model, prosody, alive, commands, edits
         As for `say`.
 
     Raises
@@ -154,7 +160,7 @@ def animate(
 
     emotion, from_voice = _split_auto(emotion)
     layer = _layer(edits)
-    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody)
+    performer, score, rate = _prepared(performer, speech_model, emotion, fps, seed, prosody, alive)
     heard: tuple[Note, ...] = ()
     if from_voice:
         audio, read = _sound(audio)
@@ -480,6 +486,7 @@ def _prepared(
     fps: Rate,
     seed: int,
     prosody: float | str,
+    alive: str = "all",
 ) -> tuple[Performer, Score, FrameRate]:
     """Check every option before any long work begins."""
     if seed < 0:
@@ -491,6 +498,8 @@ def _prepared(
         raise InputError("a performer that is loaded has its speech model: give load_performer(name, speech_model)")
     performer.expression.check(score)
     performer = replace(performer, prosody=AuthoredProsody(_strength(prosody)))
+    if alive != "all":
+        performer = replace(performer, idle=AuthoredIdle.of(alive))
     return performer, score, rate
 
 

@@ -166,6 +166,12 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         default="0.5",
         help="how much brows and head go with the accents and phrase ends of the voice (default 0.5)",
     )
+    parser.add_argument(
+        "--alive",
+        metavar="all|off|blinks,gaze,head,sway",
+        default="all",
+        help="which signs of life move the face besides (default all)",
+    )
     _add_language_option(parser)
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
@@ -204,7 +210,7 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "commands", "edits")
+    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "alive", "commands", "edits")
     return {name: getattr(options, name) for name in names}
 
 

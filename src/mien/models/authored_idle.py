@@ -1,10 +1,12 @@
-"""Signs of life: blinks, glances and a gently moving head. Authored rules, not learned.
+"""Signs of life: blinks, glances and a gently moving head. Authored rules, but for the head that goes with the voice.
 
 Sources for the figures:
 
 * Blinks: about 17 a minute at rest and 26 in conversation (Bentivoglio et al. 1997, Movement Disorders 12); the lids
   close in about 0.1 s and open in about 0.2 s (VanderWerf et al. 2003, J. Neurophysiology 89).
-* Glances: a saccade of A degrees lasts about 2.2 A + 21 ms (Carpenter 1988, Movements of the Eyes).
+* Glances: `mien.models.authored_gaze` (Lee, Badler & Badler 2002).
+* Head: with the voice, as learned (`mien.models.learned_head`), and a slow drift, its size and pace by looking;
+  `mien.models.authored_prosody` nods besides. `benchmarks/head_motion.py` holds all three against recorded heads.
 
 A blink tends to fall in a pause or at a phrase end; here a planned blink moves to a pause when one is near.
 """
@@ -15,11 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien import channels
+from mien.errors import InputError, unknown_name
+from mien.models.authored_gaze import AuthoredGaze
 from mien.models.drift import smooth_drift
+from mien.models.learned_head import default_head
 from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import FrameRate
 
-__all__ = ["AuthoredIdle"]
+__all__ = ["SIGNS", "AuthoredIdle"]
 
 Floats = NDArray[np.float64]
 
@@ -28,31 +33,75 @@ BLINK_CLOSE, BLINK_SHUT, BLINK_OPEN = 0.10, 0.05, 0.21  # seconds
 PAUSE_PULL = 0.6  # seconds: a blink this near to the start of a pause moves there
 HEAD_SWAY = {"headYaw": 1.6, "headPitch": 1.1, "headRoll": 0.8}  # degrees, standard deviation
 HEAD_TIME = 1.1  # seconds over which the head drifts
-GAZE_SPREAD = 0.07  # eyeLook weight, standard deviation of where a glance lands
-GAZE_HOLD = 1.3  # seconds, mean time between glances
-SACCADE = 0.035  # seconds
+SIGNS = ("blinks", "gaze", "sway", "head")
+"""What can be switched."""
 
 
 class AuthoredIdle:
     """Blinks, glances and head sway for the length of an utterance.
 
+    Each sign of life has a random child of its own: switching one off leaves the others as they were.
+
     Parameters
     ----------
     blinks_per_minute : float
-        Mean rate, 0 or more.
+        Mean rate, 0 or more; 0: none.
+    gaze : bool
+        Whether the eyes move.
+    sway : bool
+        Whether the head drifts.
+    head : bool
+        Whether the head goes with the voice, as learned (`mien.models.learned_head`).
     """
 
-    def __init__(self, blinks_per_minute: float = BLINKS_PER_MINUTE) -> None:
-        self.blinks_per_minute = blinks_per_minute
+    def __init__(
+        self,
+        blinks_per_minute: float = BLINKS_PER_MINUTE,
+        gaze: bool = True,
+        sway: bool = True,
+        head: bool = True,
+    ) -> None:
+        if not blinks_per_minute >= 0:
+            raise InputError(f"blinks per minute are 0 (none) or more, not {blinks_per_minute:g}")
+        self.blinks_per_minute, self.gaze, self.sway, self.head = blinks_per_minute, gaze, sway, head
+        self._gaze = AuthoredGaze()
+
+    @classmethod
+    def of(cls, signs: str) -> AuthoredIdle:
+        """From names of `SIGNS` with commas between, ``"all"`` or ``"off"``.
+
+        Raises
+        ------
+        InputError
+            If a name is none of them.
+
+        Examples
+        --------
+        >>> idle = AuthoredIdle.of("gaze,sway")
+        >>> idle.blinks_per_minute, idle.gaze, idle.sway
+        (0.0, True, True)
+        """
+        asked = {sign.strip().lower() for sign in signs.split(",") if sign.strip()}
+        if asked in ({"all"}, {"off"}):
+            asked = set(SIGNS) if asked == {"all"} else set()
+        for sign in sorted(asked):
+            if sign not in SIGNS:
+                raise unknown_name("sign of life", sign, [*SIGNS, "all", "off"])
+        return cls(BLINKS_PER_MINUTE if "blinks" in asked else 0.0, "gaze" in asked, "sway" in asked, "head" in asked)
 
     def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> Floats:
         """Idle channels, shape (frames, channels); lids and eyes as weights, head in degrees."""
         times = rate.times(rate.frames_covering(utterance.duration))
         values = np.zeros((len(times), len(channels.ALL)))
-        self._add_blinks(values, times, self.blink_times(utterance, random))
-        self._add_glances(values, times, random)
-        for name, spread in HEAD_SWAY.items():
-            values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, random)
+        for_blinks, for_gaze, for_head = random.spawn(3)
+        self._add_blinks(values, times, self.blink_times(utterance, for_blinks))
+        if self.gaze:
+            values += self._gaze.perform(utterance, times, for_gaze)
+        if self.head:
+            values += default_head().perform(utterance, rate)
+        if self.sway:
+            for name, spread in HEAD_SWAY.items():
+                values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, for_head)
         return values
 
     def blink_times(self, utterance: Utterance, random: np.random.Generator) -> list[float]:
@@ -79,28 +128,3 @@ class AuthoredIdle:
             opening = np.clip((times - moment - BLINK_SHUT) / BLINK_OPEN, 0, 1)
             shape = np.sin(np.pi / 2 * closing) ** 2 * np.cos(np.pi / 2 * opening) ** 2
             values[:, lids] = np.maximum(values[:, lids], shape[:, None])
-
-    def _add_glances(self, values: Floats, times: Floats, random: np.random.Generator) -> None:
-        landings, now = [(-1.0, 0.0, 0.0)], 0.0
-        end = float(times[-1]) + 1.0
-        while now < end:
-            now += float(np.clip(random.exponential(GAZE_HOLD), 0.25, 4.0))
-            landings.append((now, *(random.standard_normal(2) * GAZE_SPREAD * (1.0, 0.6))))
-        start = np.array([landing[0] for landing in landings])
-        side, height = (np.array([landing[k] for landing in landings]) for k in (1, 2))
-        current = np.searchsorted(start, times, side="right") - 1
-        passed = np.clip((times - start[current]) / SACCADE, 0, 1)
-        last = np.maximum(current - 1, 0)
-        yaw = side[last] + (side[current] - side[last]) * passed  # > 0: to the speaker's left
-        pitch = height[last] + (height[current] - height[last]) * passed
-        for name, amount in (
-            ("eyeLookOutLeft", yaw),
-            ("eyeLookInRight", yaw),
-            ("eyeLookInLeft", -yaw),
-            ("eyeLookOutRight", -yaw),
-            ("eyeLookUpLeft", pitch),
-            ("eyeLookUpRight", pitch),
-            ("eyeLookDownLeft", -pitch),
-            ("eyeLookDownRight", -pitch),
-        ):
-            values[:, channels.ALL.index(name)] += np.clip(amount, 0, None)

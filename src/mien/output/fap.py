@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
-from importlib.resources import files
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from mien.channels import HEAD
 from mien.errors import InputError, Note
 from mien.face.face import Face
 from mien.face.library import load_face
+from mien.face.marker_sites import load_marker_places, place_markers
 from mien.face.retargeting import Site, basis_at
 from mien.fap import COUNT, FapTrack, fap_table, write_fap_track
 from mien.speech.utterance import PAUSE
@@ -23,7 +23,6 @@ __all__ = ["fap_track", "fap_units", "write_fap"]
 Floats = NDArray[np.float64]
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ANGLE_UNIT = 1e-5  # radian
-_FITS = 4.0  # mm between a layout's place and a face's skin
 
 
 def write_fap(animation: Animation, face: Face, path: str | Path, high_level: bool = False) -> tuple[Note, ...]:
@@ -136,17 +135,15 @@ def _places(face: Face) -> dict[str, Floats]:
 
 
 def _points(face: Face) -> dict[str, Site]:
-    """Where MPEG-4's feature points are on a face: by its named sites, else by the layout's places where they fit."""
+    """Where MPEG-4's feature points are on a face: by its named sites, else by `mien.face.marker_sites`."""
     found: dict[str, Site] = {
         point: face.sites[site] for point, site in fap_table()["site"].items() if site in face.sites
     }
     parts = {part.name: part for part in face.parts}
-    if "skin" in parts and "lip_upper_inner" in face.sites:
-        layout = files("mien").joinpath("assets", "markers", "mpeg4-32.toml").read_text(encoding="utf-8")
-        for point, entry in tomllib.loads(layout)["markers"].items():
-            away = np.linalg.norm(parts["skin"].vertices - np.array(entry["place"]), axis=1)
-            if point not in found and away.min() < _FITS:
-                found[point] = ("skin", int(np.argmin(away)))
+    with suppress(InputError):  # a face on which the markers find no place keeps its named sites alone
+        placed = place_markers(face, load_marker_places("mpeg4-32"))
+        for point, site in zip(placed.names, placed.sites, strict=True):
+            found.setdefault(point, site)
     if "tongue" in parts:
         forward = parts["tongue"].vertices[:, 2]
         found["6.1"] = ("tongue", int(np.argmax(forward)))
