@@ -150,4 +150,11 @@ def _pictures() -> list[Finding]:
         detail = f"PyAV {av.__version__}, {use}" if present else f"no {use} in PyAV: no .mp4; pip install --upgrade av"
         found.append(Finding(f"codec {codec}", "ok" if present else "missing", detail))
     found.append(Finding("renderer", "ok", "own rasteriser on the processor: needs no GPU and no system package"))
+    found.append(_usd())
     return found
+
+
+def _usd() -> Finding:
+    if find_spec("pxr") is None:
+        return Finding("usd", "optional", "no .usdz, .usdc, .usda without it: pip install 'mien[usd]'")
+    return Finding("usd", "ok", f"usd-core {version('usd-core')}: writes .usdz, .usdc, .usda")
