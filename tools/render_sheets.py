@@ -11,6 +11,7 @@ A sheet is one entry of `SHEETS`; every picture in it is a `Shot`.
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import mien
+from mien.animation import Animation
 from mien.channels import ALL, TONGUE, WEIGHTS
 from mien.errors import unknown_name
 from mien.face.face import Face, Part
@@ -29,6 +31,7 @@ from mien.face.posing import Poser
 from mien.files import replace_when_complete
 from mien.models.authored_mouth import AuthoredMouth
 from mien.models.authored_performance import authored_expression
+from mien.recolor import recolor
 from mien.render.camera import Camera
 from mien.render.renderer import Renderer
 from mien.script.score import EmotionSpan, Score
@@ -36,6 +39,8 @@ from mien.speech.phones import phone_table
 from mien.timeline import FrameRate
 
 JPEG_QUALITY = 86
+AUTO = ("03a01Wa", "03a01Fa", "03a02Ta")
+"""Voices of EmoDB that are angry, happy and sad."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +178,78 @@ def _named(row: NDArray[np.float64]) -> dict[str, float]:
     return {channel: float(weight) for channel, weight in zip(ALL, row, strict=True) if weight}
 
 
+SENTENCES = ("I never said that.", "We may put my blue book by the bed.", "Oh, it is you again.")
+INTENSITIES = (0.0, 0.5, 1.0)
+
+
+def _pose(animation: Animation, seconds: float) -> dict[str, float]:
+    row = animation.channels.values[animation.rate.nearest_frame(seconds)]
+    return dict(zip(ALL, map(float, row), strict=True))
+
+
+def _intensity_shots() -> tuple[Shot, ...]:
+    """Every emotion at 0, 0.5 and 1 at one vowel of each of three sentences; the last row: a closed M, B or P."""
+    spoken = [mien.say(text) for text in SENTENCES]
+    shots = []
+    for emotion in (name for name in authored_expression().names if name != "neutral"):
+        for number, line in enumerate(spoken):
+            said = [p for p in line.utterance.phones if p.label != "SIL"]
+            vowel = [p for p in said if p.label[0] in "AEIOU"][1 + number % 2].middle
+            for intensity in INTENSITIES:
+                shown = recolor(line, f"{emotion}:{intensity:g}", way="authored")
+                caption = f"{emotion} {intensity:g}" if not number or intensity else ""
+                shots.append(Shot(caption, _pose(shown, vowel), "face"))
+    return tuple(shots)
+
+
+def _closure_shots() -> tuple[Shot, ...]:
+    """Every emotion in full at each bilabial of one sentence: the lips have to be shut."""
+    line = mien.say(SENTENCES[1])
+    shut = [phone for phone in line.utterance.phones if phone.label in ("P", "B", "M")][:6]
+    shots = []
+    for emotion in authored_expression().names:
+        shown = recolor(line, emotion, way="authored")
+        shots += [Shot(f"{emotion} {phone.label}", _pose(shown, phone.middle), "face") for phone in shut]
+    return tuple(shots)
+
+
+def _recolor_shots() -> tuple[Shot, ...]:
+    """One line, neutral and as `mien recolor` makes it in every emotion, at the same six moments."""
+    line = mien.say(SENTENCES[0])
+    moments = np.linspace(0.12, 0.88, 6) * line.utterance.duration
+    shots = []
+    for emotion in authored_expression().names:
+        shown = recolor(line, emotion, way="authored")
+        shots += [Shot(emotion if not place else "", _pose(shown, t), "face") for place, t in enumerate(moments)]
+    return tuple(shots)
+
+
+def _auto_shots() -> tuple[Shot, ...]:
+    """Three voices of EmoDB (in MIEN_DATA): the face shows what they sound like, six moments each."""
+    shots = []
+    for name in AUTO:
+        shown = mien.animate(Path(os.environ["MIEN_DATA"]) / "emodb" / "audio" / f"{name}.flac", emotion="auto")
+        found = shown.score.emotions[0].name if shown.score.emotions else "neutral"
+        moments = np.linspace(0.1, 0.9, 6) * shown.utterance.duration
+        captions = [f"{name}: {found}", *[""] * 5]
+        shots += [Shot(text, _pose(shown, t), "face") for text, t in zip(captions, moments, strict=True)]
+    return tuple(shots)
+
+
+def _wander_shots() -> tuple[Shot, ...]:
+    """Each emotion without speech, every second of ten."""
+    model, rate = authored_expression(), FrameRate.of(25)
+    shots = []
+    for name in model.names:
+        values = model.perform(Score((EmotionSpan(name),)), 10.0, rate, np.random.default_rng(3))
+        rows = [values[rate.nearest_frame(second)] for second in range(10)]
+        shots += [
+            Shot(name if not i else "", dict(zip(ALL, map(float, row), strict=True)), "face")
+            for i, row in enumerate(rows)
+        ]
+    return tuple(shots)
+
+
 def _shape_shots() -> tuple[Shot, ...]:
     return tuple(_shape_shot(name) for name in WEIGHTS)
 
@@ -212,6 +289,11 @@ SHEETS: dict[str, Sheet] = {
     "tongue": Sheet(_inside_shots, columns=6, width=230, height=175),
     "jaw": Sheet(_jaw_shots, columns=3, width=420, height=320),
     "expressions": Sheet(_expression_shots, columns=5, width=200, height=230),
+    "intensities": Sheet(_intensity_shots, columns=9, width=150, height=172),
+    "closures": Sheet(_closure_shots, columns=6, width=170, height=195),
+    "recolor": Sheet(_recolor_shots, columns=6, width=170, height=195),
+    "auto": Sheet(_auto_shots, columns=6, width=200, height=230),
+    "wander": Sheet(_wander_shots, columns=10, width=140, height=161),
     "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }
 
@@ -268,6 +350,9 @@ def main() -> None:
     face = load_face(given.face)
     given.out.mkdir(parents=True, exist_ok=True)
     for name in [given.only] if given.only else SHEETS:
+        if name == "auto" and "MIEN_DATA" not in os.environ:
+            print("auto is left out: MIEN_DATA does not tell where emodb lies")
+            continue
         with replace_when_complete(given.out / f"{name}.jpg") as unfinished:
             draw(face, SHEETS[name]).save(unfinished, quality=JPEG_QUALITY, optimize=True)
 
