@@ -4,8 +4,9 @@
 
     python benchmarks/expressions.py [--out docs/tables/expressions.md]
 
-Speech: the default performer speaks `SENTENCES` with the default voice. Lips are shut where the inner lips (13 14) on
-the face stand less than 0.75 mm further apart than at rest shut (`mien.evaluate.closure`). Strength is the mean
+Speech: the default performer speaks `SENTENCES` with the default voice. Lips are shut where the upper inner lip (13) on
+the face stands less than 0.75 mm higher above the lower (14) than at rest (`mien.evaluate.closure`); upwards, since a
+raised chin pushes the lower lip forward while it shuts. Strength is the mean
 distance of all markers from the same line spoken neutral.
 
 Displacements are means over the whole performance, from the neutral performance, of the markers of layout
@@ -155,20 +156,22 @@ def spoken() -> list[str]:
     said = [mien.say(text).utterance for text in SENTENCES]
     performer = replace(performer, mouth=_Once(performer.mouth))
 
-    def positions(emotion: str, intensity: float) -> list[Floats]:
-        score = Score((EmotionSpan(emotion, intensity),))
+    def positions(*emotions: EmotionSpan) -> list[Floats]:
+        score = Score(emotions)
         made = [perform(line, score, performer, rate, seed=1).channels.values for line in said]
         return [layout.places + (v @ basis).reshape(len(v), -1, 3) for v in made]
 
-    apart = np.linalg.norm(np.subtract(*(layout.places[layout.markers.index(layout.landmarks[n])] for n in (13, 14))))
+    upper, lower = (layout.markers.index(layout.landmarks[number]) for number in (13, 14))
+    apart = layout.places[upper, 1] - layout.places[lower, 1]
 
     def closures(moved: list[Floats]) -> ClosureCounts:
         counts = ClosureCounts(0, 0, 0, 0)
         for line, rows in zip(said, moved, strict=True):
-            counts += closure_counts(measures(rows)[:, 4] - apart, rate.times(len(rows)), line.phones)
+            opening = rows[:, upper, 1] - rows[:, lower, 1] - apart
+            counts += closure_counts(opening, rate.times(len(rows)), line.phones)
         return counts
 
-    neutral = positions("neutral", 1.0)
+    neutral = positions()
     plain = closures(neutral)
     lines = [
         "",
@@ -185,7 +188,7 @@ def spoken() -> list[str]:
     for emotion in authored_expression().names:
         if emotion == "neutral":
             continue
-        graded = [positions(emotion, intensity) for intensity in GRADES]
+        graded = [positions(EmotionSpan(emotion, intensity)) for intensity in GRADES]
         full = closures(graded[-1])
         strength = [
             float(np.mean([np.linalg.norm(a - b, axis=2).mean() for a, b in zip(rows, neutral, strict=True)]))
