@@ -86,7 +86,9 @@ def recolor(
     maps = _maps(actor, (NEUTRAL, span.name), way) if span.name != NEUTRAL else None
     if maps is None:
         return _authored_way(animation, span, actor)
-    plain = _authored_way(animation, EmotionSpan(NEUTRAL), actor) if animation.score.emotions else animation
+    plain = animation
+    if animation.score.emotions:  # what it shows is taken out as its own performer put it in
+        plain = _authored_way(animation, EmotionSpan(NEUTRAL), _maker(animation, actor))
     felt = _learned_way(plain, span, maps)
     return replace(felt, score=replace(animation.score, emotions=(span,)))
 
@@ -344,6 +346,14 @@ def _authored(actor: Performer, span: EmotionSpan) -> tuple[Note, ...]:
     if not isinstance(actor.expression, Expression) or span.name not in actor.expression.authored - {NEUTRAL}:
         return ()
     return (Note("note", f"the expression {span.name!r} is authored, not learned from recordings"),)
+
+
+def _maker(animation: Animation, actor: Performer) -> Performer:
+    """Who made an animation; another, where that one is not at hand."""
+    try:
+        return _performer(animation, None) if animation.provenance.performer != actor.name else actor
+    except InputError:
+        return actor
 
 
 def _performer(animation: Animation, performer: Performer | str | Path | None) -> Performer:

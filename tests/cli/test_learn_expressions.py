@@ -11,6 +11,7 @@ import mien
 from mien.cli import main
 from mien.corpus.corpus import Corpus
 from mien.models.performers import load_learned_performer
+from mien.output.native import read_native
 from tests.cli.test_main import refused
 from tests.models.expressive_takes import LAYOUT, take, takes
 
@@ -31,9 +32,21 @@ def test_expressions_are_learned_and_told(performer: Path, capsys: pytest.Captur
     assert learned.expressions is not None
     assert learned.expressions.space.emotions == ("happy", "surprised")
     assert len(learned.trained_on) == 12  # expressive takes too: they must not be scored as held out
+    assert learned.emotion_maps is not None
+    assert set(learned.emotion_maps.sentences.values()) == {4}
     assert main(["inspect", str(performer)]) == 0
     assert "expressions" in (told := capsys.readouterr().out)
     assert "happy" in told
+    assert "neutral to happy" in told
+
+
+def test_recolor_takes_the_learned_map(performer: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line, happy = tmp_path / "line.json", tmp_path / "happy.json"
+    mien.save(mien.say("Me too."), line)
+    assert main(["recolor", str(line), "--to", "happy", "--performer", str(performer), "-o", str(happy)]) == 0
+    assert "learned from recordings: neutral to happy (4 sentences)" in capsys.readouterr().err
+    smile = [read_native(path).channels.channel("mouthSmileLeft").mean() for path in (line, happy)]
+    assert 0.25 < smile[1] - smile[0] < 0.75
 
 
 def test_the_performer_smiles_as_recorded_and_borrows_the_rest(performer: Path) -> None:
