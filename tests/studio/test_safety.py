@@ -84,7 +84,8 @@ def test_without_the_token_there_is_nothing(closed: Client) -> None:
     for path in ("/", "/api/about", "/?token=wrong-token", "/?token=", "/api/about?token=a-long-token"):
         assert closed.ask("GET", path).status == 401, path
     assert closed.ask("GET", "/api/about", Authorization="Bearer wröng").status == 401
-    assert closed.ask("GET", "/api/about", Cookie="mien_studio=x").status == 401
+    for cookie in ("mien_studio=x", "mien_studio=\xff\xfe", "mien_studio="):
+        assert closed.ask("GET", "/api/about", Cookie=cookie).status == 401
 
 
 def test_the_address_gives_a_cookie_that_opens_and_is_not_the_token(closed: Client) -> None:
@@ -164,6 +165,27 @@ def test_fields_that_cannot_be_used_are_named(client: Client, asked: dict[str, o
     assert answer.status == 400
     assert answer.json["field"] == field
     assert "\n" not in answer.json["error"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a" + '<break time="9s"/>' * 3,
+        "one two three four five " * 5,
+        "9" * 150,
+        'hello <HeadNod count="900" period="900"/>',
+        '<HeadNod at="99999999"/>',
+        '<emotion name="sad" intensity="/etc/passwd.csv">never</emotion>',
+        '<audio src="/etc/passwd"/>',
+        "<!DOCTYPE s [<!ENTITY x SYSTEM 'file:///etc/passwd'>]><speak>&x;</speak>",
+    ],
+)
+def test_a_short_text_cannot_ask_for_hours_or_for_files(client: Client, text: str) -> None:
+    told = client.finished(client.ask("POST", "/api/takes", {"text": text, "voice": "espeak", "performer": "authored"}))
+    assert told["state"] == "failed"
+    assert told["field"] == "text" or "nothing to speak" in told["error"] or "empty" in told["error"]
+    assert "root:" not in told["error"]
+    assert "No such file" not in told["error"]
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ class Gate:
 
     def _has_token(self, request: web.Request) -> bool:
         session = request.cookies.get(COOKIE, "")
-        if secrets.compare_digest(session.encode(), self._settings.session.encode()):
+        if secrets.compare_digest(session.encode("utf-8", "replace"), self._settings.session.encode()):
             return True
         kind, _, given = request.headers.get(hdrs.AUTHORIZATION, "").partition(" ")
         return kind.lower() == "bearer" and self._is_token(given.strip())

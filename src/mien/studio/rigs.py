@@ -35,27 +35,22 @@ class Rig:
 
     Attributes
     ----------
-    config : dict
-        As `mien.face.tree_data` describes it.
+    content : bytes
+        The configuration as JSON, in the form of `mien.face.tree_data`: as text, since as objects it is large.
     text : str
         The same as a configuration file.
     tree : ParameterTree
         On the default face.
     """
 
-    config: dict[str, Any]
+    content: bytes
     text: str
     tree: ParameterTree
-
-    @cached_property
-    def content(self) -> bytes:
-        """The configuration as JSON: large, so it is written once."""
-        return json.dumps(self.config, separators=(",", ":")).encode()
 
     @property
     def size(self) -> int:
         """Bytes in memory, roughly."""
-        return 8 * len(self.text)
+        return 3 * (len(self.text) + len(self.content))
 
 
 class RigShelf:
@@ -83,7 +78,7 @@ class RigShelf:
             if self._default is None:
                 tree = tree_of_face(self.face)
                 text = tree_text(tree, "derived from the morph targets of the default face")
-                self._default = Rig(config_data(parse_tree(text)), text, tree)
+                self._default = Rig(_json(config_data(parse_tree(text))), text, tree)
             return self._default
 
     def check(self, config: object) -> list[dict[str, Any]]:
@@ -124,7 +119,7 @@ class RigShelf:
         try:
             parsed = parse_tree(text, "rig.tree")
             tree = parsed.on(self._vertices)
-            rig = Rig(config_data(parsed) if config is None else config, text, tree)
+            rig = Rig(_json(config_data(parsed) if config is None else config), text, tree)
         except InputError as problem:
             raise FieldError("config", str(problem)) from problem
         return self._kept.put(rig, rig.size, name)
@@ -177,6 +172,10 @@ class RigShelf:
             counts[mesh] = number + 1
             told.append({"name": part.name, "vertices": len(part.vertices), "mesh": mesh, "primitive": number})
         return told
+
+
+def _json(config: dict[str, Any]) -> bytes:
+    return json.dumps(config, separators=(",", ":")).encode()
 
 
 def _text_of(config: dict[str, Any]) -> str:

@@ -98,9 +98,9 @@ async def running_studio(settings: StudioSettings, workshop: Workshop) -> AsyncI
     assert server is not None
     try:
         listening = await loop.create_server(lambda: watch.protocol(server), settings.host, settings.port)
-    except OSError as problem:
+    except (OSError, UnicodeError) as problem:
         await runner.cleanup()
-        told = problem.strerror or str(problem)
+        told = getattr(problem, "strerror", None) or str(problem)
         raise OutputError(
             f"cannot listen on {settings.host}:{settings.port}: {told}; another --port may be free"
         ) from problem

@@ -33,6 +33,7 @@ from mien.modules.spoken import Spoken
 from mien.studio.faces import DEFAULT_FACE, FaceShelf
 from mien.studio.jobs import Job, JobPool
 from mien.studio.keeping import Kept
+from mien.studio.lines import checked_script
 from mien.studio.remembering import RememberingMouth
 from mien.studio.requests import FieldError, TakeRequest
 from mien.studio.results import Export, ResultShelf
@@ -180,15 +181,11 @@ class Workshop:
         self._spoken.put(made, name=key)
         return made
 
-    @staticmethod
-    def _spoken_now(request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+    def _spoken_now(self, request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+        text = checked_script(request.text, request.language, self.limits) if request.text.strip() else None
         if source is None:
-            return api.spoken_text(
-                request.text, performer, voice=request.voice, language=request.language, seed=request.seed
-            )
-        from mien.script.reading import read_script
-
-        text = read_script(request.text) if request.text.strip() else None  # a Script: never the name of a file
+            assert text is not None  # `TakeRequest` has seen to it
+            return api.spoken_text(text, performer, voice=request.voice, language=request.language, seed=request.seed)
         return api.spoken_recording(
             source.sound,
             performer,
