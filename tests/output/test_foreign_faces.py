@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from mien.channels import ALL, HEAD
@@ -19,7 +21,7 @@ from mien.output.driven_glb import drive_glb
 from mien.render.renderer import Renderer
 from mien.timeline import FrameRate
 from mien.tracks import ChannelTrack
-from tests.zoo import ZOO, Animal
+from tests.zoo import ZOO, Animal, Builder
 
 FRAMES = 6
 
@@ -163,6 +165,35 @@ def test_a_skinned_head_is_where_its_bones_put_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(skinned.vertices, teeth.vertices, atol=1e-3)
     assert skinned.head_weight.max() == 1.0
     assert skinned.head_weight.min() < 0.1
+
+
+def test_overlays_that_would_hide_the_eyes_are_not_drawn(tmp_path: Path) -> None:
+    made = Builder()
+    made.bust(made.mesh(["jawOpen"]))
+    made.put("nodes", {"name": "CC_Base_EyeOcclusion", "mesh": made.mesh(["jawOpen"], name="CC_Base_EyeOcclusion_1")})
+    drawn = drawn_face(foreign_face(made.glb(tmp_path / "cc.glb")))
+    assert not any("Occlusion" in part.name for part in drawn.face.parts)
+
+
+def test_cut_out_triangles_and_tiles(tmp_path: Path) -> None:
+    stream, picture = io.BytesIO(), np.zeros((8, 8, 4), np.uint8)
+    picture[:, :4] = (200, 100, 50, 255)  # the right half is see-through, and black as programs leave it
+    Image.fromarray(picture).save(stream, "PNG")
+    made = Builder()
+    made.put("images", {"bufferView": made.view(stream.getvalue()), "mimeType": "image/png"})
+    made.put("textures", {"source": 0})
+    moved = {"KHR_texture_transform": {"offset": [3.0, 0.0]}}
+    base = {"baseColorTexture": {"index": 0, "extensions": moved}}
+    made.put("materials", {"name": "hair", "alphaMode": "MASK", "pbrMetallicRoughness": base})
+    mesh = made.mesh(["jawOpen"])
+    made.list_of("meshes")[mesh]["primitives"][0]["material"] = 0
+    made.bust(mesh)
+    part = drawn_face(foreign_face(made.glb(tmp_path / "hair.glb"))).face.parts[0]
+    assert 0.4 < len(part.triangles) / len(made.triangles) < 0.6
+    assert part.uv.min() >= -1e-6
+    assert part.uv[:, 0].max() <= 0.6
+    assert part.material.texture is not None
+    assert tuple(part.material.texture[4, 7]) == (200, 100, 50)
 
 
 def test_compressed_meshes_are_drawn_alike(tmp_path: Path) -> None:

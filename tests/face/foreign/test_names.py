@@ -53,6 +53,25 @@ NAMES: dict[str, dict[str, dict[str, float]]] = {
     },
     "units with words": {"AU01_Inner_Brow_Raiser_L": {"browInnerUp": 1, "browInnerUpLeft": 1}, "AU_26": {"jawOpen": 1}},
     "VRChat": {"vrc.v_oh": {"mouthFunnel": 1}, "vrc.v_ou": {"mouthPucker": 1}, "vrc.v_ff": {"mouthRollLower": 1.1}},
+    "Mixamo": {
+        "Facial_Blends_Smile_Left": {"mouthSmileLeft": 1},
+        "Facial_Blends_BrowsUp_Right": {"browInnerUp": 0.6, "browOuterUpRight": 0.5},
+        "Facial_Blends_MouthOpen": {"jawOpen": 1},
+        "Facial_Blends_UpperLipUp_Left": {"mouthUpperUpLeft": 1},
+    },
+    "CharMorph": {
+        "Expressions_mouthOpen_max": {"jawOpen": 1},
+        "Expressions_eyeClosedL_max": {"eyeBlinkLeft": 1},
+        "Expressions_browSqueezeR_max": {"browDownRight": 1},
+    },
+    "Azure": {
+        "viseme_1": {"jawOpen": 1.0, "mouthFunnel": -0.7, "mouthPucker": -0.7},
+        "viseme_7": {"mouthPucker": 1},
+        "viseme_8": {"mouthFunnel": 0.5},
+        "viseme_17": {"tongueOut": 1.4},
+        "viseme_18": {"mouthRollLower": 1.1},
+        "viseme_20": {"tongueBackUp": 0.8},
+    },
     "Preston Blair": {
         "AI": {"jawOpen": 1.4, "mouthFunnel": -0.7, "mouthPucker": -0.7},
         "O": {"mouthFunnel": 1},

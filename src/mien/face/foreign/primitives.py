@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mien.errors import InputError
 from mien.face.foreign.accessors import AccessorReader
 from mien.face.foreign.materials import Surface, SurfaceReader, srgb
+from mien.face.foreign.names import name_tables, spelling
 from mien.face.foreign.recognition import ForeignFace
 
 __all__ = ["Piece", "pieces_of_node"]
@@ -80,6 +81,9 @@ def pieces_of_node(
         if surface.hidden or "POSITION" not in primitive.get("attributes", {}):
             continue
         name = str(mesh.get("name") or facts.get("name") or f"mesh {facts['mesh']}")
+        told = spelling(f"{name} {facts.get('name', '')} {surface.material.name}")
+        if any(word in told for word in name_tables()["not_drawn"]):
+            continue
         pieces += _split_eyes(*_piece(foreign, node, primitive, world, reader, surface, name))
     return pieces
 
