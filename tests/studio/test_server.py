@@ -245,3 +245,36 @@ def test_without_the_built_page_the_server_says_so(monkeypatch: pytest.MonkeyPat
         answer = running.ask("GET", "/")
     assert answer.status == 503
     assert b"make page" in answer.body
+
+
+def test_formats_whose_library_is_missing_are_not_offered(client: Client, take: str, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    from dataclasses import replace
+
+    from mien.errors import MissingPartError
+    from mien.output.registry import EXPORTERS
+    from mien.studio import about, results
+
+    def missing() -> None:
+        raise MissingPartError("it needs a library: pip install it")
+
+    some = (EXPORTERS[0], replace(EXPORTERS[1], check=missing))
+    monkeypatch.setattr(about, "EXPORTERS", some)
+    monkeypatch.setattr(results, "EXPORTERS", some)
+    about._writable.cache_clear()
+    assert client.ask("GET", "/api/about").json["exports"] == [some[0].suffix]
+    about._writable.cache_clear()
+    answer = client.ask("POST", f"/api/takes/{take}/export", {"formats": [some[1].suffix]})
+    assert answer.status == 400
+    assert "pip install it" in answer.json["error"]
+
+
+def test_a_format_with_a_folder_beside_it_comes_as_an_archive(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    from mien.studio.results import _packed
+
+    (tmp_path / "line.usdc").write_bytes(b"x")
+    assert _packed(tmp_path, "line.zip").name == "line.usdc"
+    (tmp_path / "line").mkdir()
+    (tmp_path / "line" / "skin.png").write_bytes(b"y")
+    with zipfile.ZipFile(_packed(tmp_path, "line.zip")) as archive:
+        assert archive.namelist() == ["line/skin.png", "line.usdc"]
+    assert [path.name for path in tmp_path.iterdir()] == ["line.zip"]

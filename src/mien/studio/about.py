@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from functools import cache
 from importlib.metadata import version
 from typing import Any
 
 from mien import channels
-from mien.output.registry import EXPORTERS
+from mien.errors import MissingPartError
+from mien.output.registry import EXPORTERS, Exporter
 from mien.studio.faces import DEFAULT_FACE
 from mien.studio.settings import Limits
 from mien.studio.views import CAMERAS, LIGHTS
@@ -24,9 +26,9 @@ def about(limits: Limits) -> dict[str, Any]:
     return {
         "version": version("mien"),
         **_offered(),
-        "exports": [exporter.suffix for exporter in EXPORTERS],
+        "exports": [exporter.suffix for exporter in _writable()],
         "formats": [
-            {"suffix": exporter.suffix, "title": exporter.title, "loses": exporter.loses} for exporter in EXPORTERS
+            {"suffix": exporter.suffix, "title": exporter.title, "loses": exporter.loses} for exporter in _writable()
         ],
         "channels": [_channel(name) for name in channels.ALL],
         "lights": list(LIGHTS),
@@ -39,6 +41,17 @@ def about(limits: Limits) -> dict[str, Any]:
         },
         "default_face": DEFAULT_FACE,
     }
+
+
+@cache
+def _writable() -> tuple[Exporter, ...]:
+    """The formats whose libraries are installed."""
+    found = []
+    for exporter in EXPORTERS:
+        with contextlib.suppress(MissingPartError):
+            exporter.check()
+            found.append(exporter)
+    return tuple(found)
 
 
 @cache

@@ -67,7 +67,7 @@ class ResultShelf:
             notes: list[Note] = []
             for number, path in enumerate(made):
                 notes += _written(animation, path, export, _Steps(job, number, export.formats))
-            result = made[0] if len(made) == 1 else _zipped(made, folder / f"{file_stem(animation)}.zip")
+            result = _packed(folder, f"{file_stem(animation)}.zip")
             job.at("done", 1.0)
             size = sum(path.stat().st_size for path in folder.iterdir())
             return self._files.put(ResultFile(result, result.name), size), result.name, tuple(notes)
@@ -140,6 +140,8 @@ def checked_formats(asked: object) -> tuple[str, ...]:
     ------
     FieldError
         If there is none, or one is not known.
+    MissingPartError
+        If a library that one needs is not installed.
 
     Examples
     --------
@@ -152,7 +154,11 @@ def checked_formats(asked: object) -> tuple[str, ...]:
     for one in asked:
         if one.lower() not in known:
             raise FieldError("formats", f"unknown format {one[:20]!r}; known: {', '.join(known.values())}")
-    return tuple(dict.fromkeys(known[one.lower()] for one in asked))
+    chosen = tuple(dict.fromkeys(known[one.lower()] for one in asked))
+    for exporter in EXPORTERS:
+        if exporter.suffix in chosen:
+            exporter.check()
+    return chosen
 
 
 def file_stem(animation: Animation) -> str:
@@ -171,13 +177,20 @@ def file_stem(animation: Animation) -> str:
     return stem or "line"
 
 
-def _zipped(paths: Sequence[Path], path: Path) -> Path:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
-        for one in paths:
-            archive.write(one, one.name)
-    for one in paths:
-        one.unlink()
-    return path
+def _packed(folder: Path, name: str) -> Path:
+    """The one file in a folder; an archive of all that is in it, if there is more (some formats keep a folder)."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    if len(files) == 1 and files[0].parent == folder:
+        return files[0]
+    with zipfile.ZipFile(folder / name, "w", zipfile.ZIP_DEFLATED, compresslevel=3) as archive:
+        for path in files:
+            archive.write(path, path.relative_to(folder).as_posix())
+    for item in list(folder.iterdir()):
+        if item.is_dir():
+            shutil.rmtree(item)
+        elif item.name != name:
+            item.unlink()
+    return folder / name
 
 
 def _removed(file: ResultFile) -> None:
