@@ -121,6 +121,14 @@ def test_all_of_arkit_under_every_prefix() -> None:
             assert dict(match.recipe) == {name: 1.0}, form.format(name)
 
 
+def test_nodes_under_a_makers_prefix(tmp_path: Path) -> None:
+    for number, names in enumerate((("Bob:Head", "Bob:LeftEye", "Bob:RightEye"), ("head.x", "c_eye.l", "c_eye.r"))):
+        made = Builder()
+        made.bust(made.mesh(["jawOpen"]), names)
+        nodes = inspect_face(made.glb(tmp_path / f"{number}.glb")).nodes
+        assert (nodes["head"], nodes["eyeLeft"], nodes["eyeRight"]) == names
+
+
 def test_the_tables_hold_together() -> None:
     folder = Path(mien.__file__).parent / "assets" / "rigs"
     assert len(conventions()) == len(list((folder / "conventions").glob("*.toml")))

@@ -70,12 +70,14 @@ def _own_nodes(document: GltfDocument, own: OwnNames) -> dict[str, int]:
 
 
 def _by_names(document: GltfDocument) -> dict[str, int]:
-    plain = [re.sub(r"[\W_]", "", str(node.get("name", "")).lower()) for node in document.list_of("nodes")]
+    given_names = [str(node.get("name", "")).lower() for node in document.list_of("nodes")]
+    plain = [re.sub(r"[\W_]", "", name) for name in given_names]
+    last = [re.sub(r"[\W_]", "", re.split(r"[:|]", name)[-1]) for name in given_names]  # without a namespace
     joints = {j for skin in document.list_of("skins") for j in skin.get("joints", []) if isinstance(j, int)}
     found = {}
     for part, names in name_tables()["nodes"].items():
         for name in names:
-            places = [place for place, given in enumerate(plain) if given == name]
+            places = [place for place in range(len(plain)) if name in (plain[place], last[place])]
             places = [place for place in places if _turns_by_itself(document, place, part)]
             if places:  # of two nodes of one name the joint is the one that moves something
                 found[part] = next((place for place in places if place in joints), places[0])
