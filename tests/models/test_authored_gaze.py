@@ -91,3 +91,13 @@ def test_off_and_unknown_signs() -> None:
         AuthoredIdle.of("gase")
     with pytest.raises(InputError, match="blinks per minute are 0"):
         AuthoredIdle(-1)
+
+
+def test_the_option_reaches_the_performer() -> None:
+    from mien import api
+
+    idle = api._prepared("authored", None, None, 30, 0, 0.5, "gaze")[0].idle
+    assert isinstance(idle, AuthoredIdle)
+    assert (idle.blinks_per_minute, idle.gaze, idle.sway, idle.head) == (0.0, True, False, False)
+    with pytest.raises(InputError, match="unknown sign of life"):
+        api._prepared("authored", None, None, 30, 0, 0.5, "winks")

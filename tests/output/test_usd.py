@@ -129,3 +129,12 @@ def test_a_face_by_a_tree_says_what_it_loses(animation: Animation, tmp_path: Pat
 
     notes = save(animation, tmp_path / "line.usdz", face=deformed_by(tiny_face(), "tree"))
     assert "USD moves targets on straight lines" in notes[0].message
+
+
+def test_somebody_elses_face_passes_too(animation: Animation, tmp_path: Path) -> None:
+    import mien
+    from tests import zoo
+
+    animal = zoo.arkit(tmp_path)
+    mien.save(animation, tmp_path / "line.usdz", face=animal.path)
+    assert faults(tmp_path / "line.usdz") == []
