@@ -14,6 +14,7 @@ from mien.animation import Animation
 from mien.audio import Audio
 from mien.cli import main
 from mien.corpus.corpus import Corpus
+from mien.corpus.layouts import load_layout
 from mien.errors import InputError
 from mien.models.performer import Performer
 from mien.models.performer_file import save_learned
@@ -89,6 +90,9 @@ def test_the_command(sad: Animation, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert mien.animate(Audio.silence(0.5, 16_000)).score.emotions == ()
 
 
+BROW = load_layout("mediapipe-218").landmarks[55]
+
+
 @cache
 def performer() -> Performer:
     return replace(load_performer("authored"), name="someone", emotion_maps=emotion_maps())
@@ -131,6 +135,9 @@ def test_a_take_comes_near_to_what_was_recorded() -> None:
         recolor_take(neutral, "angry", performer(), "learned")
     laid = recolor_take(neutral, "angry", "authored")
     assert any("'angry' is authored" in note.message for note in laid.notes)
+    assert laid.markers is not None
+    lowered = (laid.markers.positions - neutral.markers.positions)[:, neutral.markers.names.index(BROW), 1]
+    assert lowered.mean() < -1.0
     assert any("stays in it" in note.message for note in recolor_take(happy, "angry", "authored").notes)
 
 

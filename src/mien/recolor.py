@@ -102,7 +102,8 @@ def recolor_take(
 ) -> Animation:
     """A recorded take in another emotion: its markers, and the face that moves as they do.
 
-    Where no map leads from the take's emotion to the other, the authored expression is laid over the recorded motion.
+    Where no map leads from the take's emotion to the other, the authored expression is laid over the recorded motion,
+    and the markers move as the face does under them.
 
     Raises
     ------
@@ -121,7 +122,14 @@ def recolor_take(
         if source != NEUTRAL:
             told = f"{name} was recorded {source}: its emotion stays in it, as no map from it was learned"
             plain = replace(plain, notes=(*plain.notes, Note("warning", told)))
-        return replace(_laid_over(plain, span, actor, seed), markers=take.markers)
+        felt, face = (
+            _laid_over(plain, span, actor, seed),
+            MarkerChannels(take.layout, take.markers.names, _resting(take)),
+        )
+        moved = face.positions_of(felt.channels.values) - face.positions_of(plain.channels.values)
+        change = _covering(moved, len(take.markers) / take.markers.rate.fps, take.markers.rate)[: len(take.markers)]
+        positions = take.markers.positions + change
+        return replace(felt, markers=MarkerTrack(take.markers.names, positions, take.markers.rate))
     _check_markers(take.markers, maps, name)
     changed = _mapped(take.markers, span, source, maps, seed)
     result = _on_face(changed, maps.layout, maps.rest, spoken, name, seed)
