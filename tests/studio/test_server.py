@@ -278,3 +278,9 @@ def test_a_format_with_a_folder_beside_it_comes_as_an_archive(tmp_path) -> None:
     with zipfile.ZipFile(_packed(tmp_path, "line.zip")) as archive:
         assert archive.namelist() == ["line/skin.png", "line.usdc"]
     assert [path.name for path in tmp_path.iterdir()] == ["line.zip"]
+
+
+def test_an_emotion_that_the_performer_lacks_is_told_at_its_field(client: Client) -> None:
+    told = client.finished(client.ask("POST", "/api/takes", {"text": LINE, "emotion": "hapy"}))
+    assert (told["state"], told["field"]) == ("failed", "emotion")
+    assert "did you mean 'happy'?" in told["error"]

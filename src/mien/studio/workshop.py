@@ -21,7 +21,7 @@ from mien.animation import Animation
 from mien.audio import Audio
 from mien.edits import EMPTY, EditLayer, line_of
 from mien.edits.emotions import asked_emotions
-from mien.errors import Note
+from mien.errors import InputError, Note
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
 from mien.models.authored_prosody import AuthoredProsody
@@ -101,11 +101,11 @@ class Workshop:
         foreign = self.faces.to_write(shown.face)
         if shown.rig is not None and (foreign is not None or not isinstance(shown.rig, str)):
             raise FieldError("rig", "a rig moves the default face: leave 'face' out")
-        tree = None if shown.rig is None else self.rigs.get(str(shown.rig)).tree
+        rig = None if shown.rig is None else self.rigs.known(str(shown.rig))
 
         def work(job: Job) -> dict[str, Any]:
             job.at("face")
-            own = load_face(DEFAULT_FACE) if tree is None else with_tree(self.rigs.face, tree)
+            own = load_face(DEFAULT_FACE) if rig is None else with_tree(self.rigs.face, self.rigs.get(rig).tree)
             export = Export(own if foreign is None else foreign, shown, formats)
             made, called, notes = self.results.export(animation, export, job)
             return {"file": f"/api/files/{made}/{called}", "notes": plain_notes(notes)}
@@ -120,7 +120,10 @@ class Workshop:
         job.at("performer", 0.02)
         performer = self._performer(request)
         emotions = [one for one in request.emotion if one != "auto"]
-        _, score, rate = api.prepared(performer, emotions, request.fps, request.seed, request.prosody)
+        try:
+            _, score, rate = api.prepared(performer, emotions, request.fps, request.seed, request.prosody)
+        except InputError as problem:  # all else has been checked
+            raise FieldError("emotion", str(problem)) from problem
         performer = replace(performer, prosody=AuthoredProsody(request.prosody))
         job.at("listening" if source is not None else "voice", 0.1)
         spoken = self._speech(request, source, performer)
