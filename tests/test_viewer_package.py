@@ -45,8 +45,8 @@ def test_what_is_packed():
     folder = installed("viewer")
     (packed,) = json.loads(run("npm", "pack", "--dry-run", "--json", "--silent", folder=folder).split("\n\n")[-1])
     names = {file["path"] for file in packed["files"]}
-    assert {"package.json", "README.md", "dist/index.js", "dist/index.d.ts"} <= names
-    assert all(name.startswith("dist/") for name in names - {"package.json", "README.md"}), names
+    assert {"package.json", "README.md", "LICENSE", "dist/index.js", "dist/index.d.ts"} <= names
+    assert all(name.startswith("dist/") for name in names - {"package.json", "README.md", "LICENSE"}), names
     assert packed["size"] < 40_000
     assert "dependencies" not in json.loads((folder / "package.json").read_text())
 

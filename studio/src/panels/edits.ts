@@ -1,5 +1,5 @@
 // The layer of edits as a list, with what could not be applied.
-import { button, download, icon, ICONS, make } from '../dom';
+import { button, download, icon, ICONS, make, showFault } from '../dom';
 import { describe, without } from '../layer';
 import type { Session } from '../session';
 
@@ -43,10 +43,11 @@ export class EditsPanel {
     const file = this.open.files?.[0];
     this.open.value = '';
     if (file === undefined) return;
+    showFault('layer', null);
     try {
       await this.session.loadLayer(JSON.parse(await file.text()));
     } catch (problem) {
-      this.session.emit('problem', { message: `${file.name} is not JSON: ${String(problem)}`, field: 'layer' });
+      this.session.emit('problem', { message: `${file.name} is not JSON: ${String(problem).replace(/\s+/g, ' ')}`, field: 'layer' });
     }
   }
 }

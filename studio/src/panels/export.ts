@@ -1,6 +1,6 @@
 // The take as files.
 import * as api from '../api';
-import { field, make } from '../dom';
+import { field, make, showFault } from '../dom';
 import type { Session } from '../session';
 
 const FIRST = ['.mp4', '.glb'];
@@ -41,6 +41,7 @@ export class ExportPanel {
         formats, ...(face === session.about.default_face ? {} : { face }),
         ...(session.about.lights.includes(light) ? { light } : {}), ...(session.about.cameras.includes(camera) ? { camera } : {}),
       };
+      showFault('formats', null);
       const job = await api.finished(await api.startExport(session.take?.take ?? '', asked), (told) => session.emit('busy', told), signal);
       if (job.file) this.offer(job.file);
     });

@@ -1,6 +1,6 @@
 // Which face performs: the shipped one or a GLB of one's own, with what of it can move.
 import * as api from '../api';
-import { button, make } from '../dom';
+import { button, make, showFault } from '../dom';
 import type { Recipe } from 'mien-viewer';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
@@ -35,6 +35,7 @@ export class FacePanel {
   async upload(file: File | undefined): Promise<void> {
     this.file.value = '';
     if (file === undefined) return;
+    showFault('face', null);
     await this.session.work(async () => {
       const { face, report } = await api.addFace(file);
       const told = report as Report;
