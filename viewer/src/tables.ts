@@ -1087,6 +1087,11 @@ export const NODES: Readonly<Record<string, readonly string[]>> = {
   "mixamorighead",
   "bip01head",
   "bip1head",
+  "bip001head",
+  "headx",
+  "cheadjnt",
+  "headctrl",
+  "orghead",
   "headbone",
   "cchead",
   "ccbasehead",
@@ -1130,7 +1135,14 @@ export const NODES: Readonly<Record<string, readonly string[]>> = {
   "deleyel",
   "lefteyejoint",
   "grpeyeleft",
-  "defeyel"
+  "defeyel",
+  "facialleye",
+  "ceyel",
+  "eyelx",
+  "eyelefta",
+  "orgeyel",
+  "eyeljnt",
+  "leyejnt"
  ],
  "eyeRight": [
   "righteye",
@@ -1153,7 +1165,14 @@ export const NODES: Readonly<Record<string, readonly string[]>> = {
   "deleyer",
   "righteyejoint",
   "grpeyeright",
-  "defeyer"
+  "defeyer",
+  "facialreye",
+  "ceyer",
+  "eyerx",
+  "eyerighta",
+  "orgeyer",
+  "eyerjnt",
+  "reyejnt"
  ]
 };
 export const EYE_DEGREES: Readonly<Record<string, number>> = {
