@@ -10,7 +10,15 @@ import pytest
 from mien import channels
 from mien.corpus.layouts import load_layout
 from mien.errors import InputError
-from mien.models.expression_motion import Twins, expressive_displacement, find_twins, matched_phones, warped_times
+from mien.models.drift import smooth_drift
+from mien.models.expression_motion import (
+    Twins,
+    expressive_displacement,
+    find_twins,
+    matched_phones,
+    warped_by_motion,
+    warped_times,
+)
 from mien.models.recorded_expression import expression_of, learn_expressions
 from mien.script.score import EmotionSpan, Score
 from mien.timeline import FrameRate, Interval, Tier
@@ -73,6 +81,32 @@ def test_the_right_warp_leaves_less_than_linear_time() -> None:
     right, wrong = (expressive_displacement(Twins(*pair)) for pair in ((felt, plain), linear))
     chin = load_layout(LAYOUT).index([load_layout(LAYOUT).landmarks[152]])[0]
     assert (right[:, chin] ** 2).sum() < 0.2 * (wrong[:, chin] ** 2).sum()
+
+
+def test_without_phone_times_the_motion_tells_the_warp() -> None:
+    random = np.random.default_rng(0)
+    grid = np.arange(180) / 60
+    spoken = np.stack([smooth_drift(grid, 0.12, random) for _ in range(6)], axis=1) * [5, 3, 2, 1.5, 1, 1]
+    pace = np.interp(grid, np.linspace(0, 3, 12), np.sort(random.uniform(0.0, 2.98, 12)))
+    felt = np.stack([np.interp(pace, grid, column) for column in spoken.T], axis=1)
+    felt = felt + 4.0 + 0.5 * smooth_drift(grid, 0.2, random)[:, None]
+    noisy = [rows + random.normal(0, 0.3, rows.shape) for rows in (felt, spoken)]
+    found = warped_by_motion(grid, *noisy)
+    assert np.abs(found - pace).mean() < 0.035
+
+
+def test_twins_without_phones_give_the_expression() -> None:
+    plain, felt = take(0, "neutral", 0.0, 0.05), take(0, "happy", 0.25, 0.05)
+    bare = [replace(one, phones=Tier("phones", ()), words=Tier("words", ())) for one in (felt, plain)]
+    known, found = (expressive_displacement(twins).mean(axis=0) for twins in (Twins(felt, plain), Twins(*bare)))
+    assert np.linalg.norm(found - known) < 0.2 * np.linalg.norm(known)
+
+
+def test_other_motion_is_no_twin() -> None:
+    random = np.random.default_rng(0)
+    one, other = (random.normal(size=(120, 30)) for _ in range(2))
+    with pytest.raises(InputError, match="do not move alike"):
+        warped_by_motion(np.arange(5) / 60, one, other)
 
 
 def test_the_known_expressions_are_learned() -> None:

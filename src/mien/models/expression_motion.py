@@ -1,8 +1,8 @@
 """Expressive recordings without their words: warp, subtract (Deng et al. 2006, section VI; SPEC A11).
 
 The same sentence, said with an emotion and without, differs by the emotion and by its timing. The expressive take is
-warped onto its neutral twin phone by phone; then the neutral motion is subtracted, and expressive motion that no longer
-depends on the phones is left.
+warped onto its neutral twin phone by phone (takes without phone times: by the motion of the mouth); then the neutral
+motion is subtracted, and expressive motion that no longer depends on the phones is left.
 
 On the mouth the neutral *frames* are subtracted, on the upper face only the neutral *mean*: its motion hardly depends
 on the phones, and subtracting another take's wanderings would add them.
@@ -24,9 +24,18 @@ from mien.models.expression_space import RATE
 from mien.speech.utterance import PAUSE
 from mien.timeline import Tier
 
-__all__ = ["Twins", "expressive_displacement", "find_twins", "matched_phones", "warped_times"]
+__all__ = [
+    "Twins",
+    "expressive_displacement",
+    "find_twins",
+    "matched_phones",
+    "warped_by_motion",
+    "warped_times",
+]
 
 Floats = NDArray[np.float64]
+_GRID = 60.0
+_ALIKE = 0.5
 LEAST_MATCHED = 0.6
 """Share of the phones of both takes that must be matched: below it they do not say the same."""
 
@@ -115,6 +124,43 @@ def warped_times(times: Floats, onto: Tier, source: Tier) -> Floats:
     )
 
 
+def warped_by_motion(times: Floats, onto: Floats, source: Floats) -> Floats:
+    """Where each instant of one take lies in another of the same words, from the motion of the mouth alone.
+
+    For takes without phone times: dynamic time warping of the two motions, each about its own mean and of one spread
+    (an expression is mostly an offset), then smoothed over 50 ms.
+
+    Parameters
+    ----------
+    times : ndarray, shape (times,)
+        Seconds.
+    onto, source : ndarray, shapes (samples, dimensions) and (other samples, dimensions)
+        Mouth motion at `_GRID` samples per second.
+
+    Raises
+    ------
+    InputError
+        If the two do not move alike even so.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    from mien.models.warping import warping_path
+
+    a, b = onto - onto.mean(axis=0), source - source.mean(axis=0)
+    b = b * float(np.sqrt((a**2).mean() / max((b**2).mean(), 1e-12)))
+    path = warping_path(a, b)
+    met = np.bincount(path[:, 0], weights=path[:, 1]) / np.bincount(path[:, 0])
+    smooth = np.maximum.accumulate(gaussian_filter1d(met, 0.05 * _GRID, mode="nearest"))
+    there = b[np.clip(np.round(met), 0, len(b) - 1).astype(int)]
+    alike = float((a * there).sum() / max(np.sqrt((a**2).sum() * (there**2).sum()), 1e-12))
+    if alike < _ALIKE:
+        raise InputError(
+            f"expected the same sentence in both takes, but their mouths do not move alike (correlation {alike:.2f} "
+            f"after warping, {_ALIKE:g} at least)"
+        )
+    return np.asarray(np.interp(times, np.arange(len(a)) / _GRID, smooth / _GRID))
+
+
 def expressive_displacement(twins: Twins) -> Floats:
     """How far each marker lies from neutral speech once the words are taken out, shape (samples, markers, 3), mm.
 
@@ -128,12 +174,8 @@ def expressive_displacement(twins: Twins) -> Floats:
     felt, plain = twins.expressive, twins.neutral
     if felt.markers.names != plain.markers.names or felt.layout != plain.layout:
         raise InputError(f"takes {felt.name!r} and {plain.name!r} have other markers: learn from one layout")
-    spoken = [phone for phone in plain.phones if phone.label != PAUSE]
-    if not spoken:
-        raise InputError(f"take {plain.name!r} has no speech")
-    times = np.arange(round(spoken[0].start * RATE), round(spoken[-1].end * RATE)) / RATE
     try:
-        elsewhere = warped_times(times, plain.phones, felt.phones)
+        times, elsewhere = _warp(plain, felt)
     except InputError as problem:
         raise InputError(f"takes {felt.name!r} and {plain.name!r}: {problem}") from problem
     neutral, moved = _at(plain, times), _at(felt, elsewhere)
@@ -142,6 +184,25 @@ def expressive_displacement(twins: Twins) -> Floats:
     words = [place for place, name in enumerate(plain.markers.names) if name in mouth]
     taken_out[:, words] = neutral[:, words]
     return np.asarray(moved - taken_out)
+
+
+def _warp(plain: Take, felt: Take) -> tuple[Floats, Floats]:
+    """Instants of the neutral take's speech, and where they lie in the other: by phones, or by motion without any."""
+    spoken = [[phone for phone in take.phones if phone.label != PAUSE] for take in (plain, felt)]
+    if all(spoken):
+        times = np.arange(round(spoken[0][0].start * RATE), round(spoken[0][-1].end * RATE)) / RATE
+        return times, warped_times(times, plain.phones, felt.phones)
+    for take, phones in zip((plain, felt), spoken, strict=True):
+        if not phones and len(take.words):
+            raise InputError(f"take {take.name!r} has words but no phones: align it again")
+    rows = []
+    mouth = set(load_layout(plain.layout).groups["mouth"])
+    columns = [place for place, name in enumerate(plain.markers.names) if name in mouth]
+    for take in (plain, felt):
+        frames = len(take.markers) / take.markers.rate.fps
+        rows.append(_at(take, np.arange(round(frames * _GRID)) / _GRID)[:, columns].reshape(round(frames * _GRID), -1))
+    times = np.arange(round(len(plain.markers) / plain.markers.rate.fps * RATE)) / RATE
+    return times, warped_by_motion(times, *rows)
 
 
 def _at(take: Take, times: Floats) -> Floats:
