@@ -25,13 +25,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("--data", type=Path, help="for accuracy: the folder that holds timit-sample")
-    parser.add_argument("--subset", type=int, help="for accuracy: so many utterances, for a quick look; writes nothing")
+    parser.add_argument("--subset", type=int, help="for accuracy: so many utterances, for a quick look")
     options = parser.parse_args()
     with threadpool_limits(1):
         text = "\n".join(lines(options)) + "\n"
     print(text)
-    if options.subset is None:
-        write(options.part, text)
+    write(options.part, text)
 
 
 def lines(options: argparse.Namespace) -> Iterator[str]:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from hand_labels import Labelled
@@ -32,6 +33,7 @@ from mien.face.library import load_face
 from mien.face.retargeting import basis_at
 from mien.live.animator import LiveAnimator, LiveSettings
 from mien.models.authored_mouth import AuthoredMouth
+from mien.models.performer import Performer
 from mien.models.performers import load_performer
 from mien.models.streaming_mouth import StreamingMouth, without_sound
 from mien.speech.align import align
@@ -84,6 +86,12 @@ class Mouth:
         return np.asarray(upper - lower)
 
 
+@cache
+def performer() -> Performer:
+    """The default performer."""
+    return load_performer("default")
+
+
 def visemes(labels: Sequence[str]) -> list[str]:
     """The viseme of each phone."""
     mouth = AuthoredMouth()
@@ -98,7 +106,7 @@ def labels_of(phones: Sequence[Interval], times: Floats) -> list[str]:
 
 def live(item: Labelled, look_ahead: float) -> Shown:
     """What ``mien live`` shows, without its clock."""
-    animator = LiveAnimator(load_performer("default"), LiveSettings(look_ahead, RATE))
+    animator = LiveAnimator(performer(), LiveSettings(look_ahead, RATE))
     samples = item.audio.resampled(HEARD).samples.astype(np.float64)
     frames = RATE.frames_covering(item.audio.duration)
     padded = np.concatenate([samples, np.zeros(HEARD)])
@@ -120,7 +128,7 @@ class Known:
     """The phones as a person marked them, each known as soon as it begins."""
 
     def __init__(self) -> None:
-        self.mouth = without_sound(load_performer("default").mouth)
+        self.mouth = without_sound(performer().mouth)
 
     def whole(self, item: Labelled) -> Floats:
         """Channels with no limit ahead."""
@@ -145,7 +153,7 @@ def offline(item: Labelled, utterance: Callable[[Labelled], Utterance]) -> Shown
     """What ``mien animate`` shows: the default performer's mouth over the whole sound."""
     began = time.process_time()
     made = utterance(item)
-    motion = load_performer("default").mouth.perform(made, RATE)
+    motion = performer().mouth.perform(made, RATE)
     spent = (time.process_time() - began) / item.audio.duration
     times = RATE.times(len(motion.values))
     return Shown(labels_of(made.phones.intervals, times), motion.values, spent)

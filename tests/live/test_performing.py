@@ -146,6 +146,30 @@ def test_gaps_bursts_and_underruns_end_where_they_began() -> None:
     assert max(animator.delays) < 0.15 + 1.0 + 0.4 + 1 / 30
 
 
+def test_silence_is_put_between_sounds_and_never_into_one() -> None:
+    class Marked(Scripted):
+        def take(self, most: int | None) -> np.ndarray:
+            return super().take(most) + 1
+
+    class Keeping(Quick):
+        def __init__(self) -> None:
+            super().__init__()
+            self.kept: list[np.ndarray] = []
+
+        def hear(self, samples: np.ndarray) -> None:
+            super().hear(samples)
+            self.kept.append(samples)
+
+    clock, animator = SimulatedClock(), Keeping()
+    source = Marked(clock, lambda now: min(now, 1.0) + max(0.0, min(now - 3.0, 1.0)), 6.0)
+    asyncio.run(perform_live(source, animator, Outlets(), performer="x", clock=clock))  # type: ignore[arg-type]
+    heard = np.concatenate([np.zeros(1), *animator.kept, np.zeros(1)])
+    edges = np.flatnonzero(np.diff(heard))
+    lengths = edges[1::2] - edges[::2]
+    assert lengths.tolist() == pytest.approx([RATE, RATE], abs=2)
+    assert (edges[2] - edges[1]) / RATE == pytest.approx(2.0, abs=0.2)
+
+
 def test_an_empty_source_ends() -> None:
     performed, _ = live(lambda now: 0.0, 0.5)
     assert performed.frames < 60

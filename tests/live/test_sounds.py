@@ -136,6 +136,9 @@ def test_a_problem_of_the_reader_is_raised_after_the_sound_before_it() -> None:
     inbox.end(InputError("gone"))
     assert len(inbox.take()) == 10
     assert not inbox.over
+    inbox.put(np.ones(3, np.float32))
+    assert len(inbox.take(0)) == 0  # there is something left before it
+    assert len(inbox.take()) == 3
     with pytest.raises(InputError, match="gone"):
         inbox.take()
     assert inbox.over

@@ -174,15 +174,12 @@ class _Show:
         if self._source.stored:  # only as much as belongs to this frame: the rest keeps its time
             wanted = self.shown + frames * self._step + self._look_ahead - self._animator.heard
             most = max(0, round(wanted * RATE))
-        self._hear(self._source.inbox.take(most))
+        came = self._source.inbox.take(most)
         if self._source.inbox.over:
-            if self._over_since is None:
-                self._over_since = self._animator.heard
-            lacking = self.shown + frames * self._step + self._look_ahead - self._animator.heard
-            self._hear(np.zeros(max(0, round(lacking * RATE)), np.float32))
-        showing = self.playout.next(self._animator.heard, frames)
-        if showing.silence:
-            self._hear(np.zeros(round(showing.silence * RATE), np.float32))
+            came = self._with_end(came, frames)
+        showing = self.playout.next(self._animator.heard + len(came) / RATE, frames)
+        for samples in (_silence(showing.before), came, _silence(showing.after)):
+            self._hear(samples)
         self.shown = showing.seconds
         self.delays += self._animator.heard - self.shown
         values = self._animator.frame(self.shown)
@@ -191,8 +188,20 @@ class _Show:
             self._recording.add_frame(self.shown, phone.label if phone else PAUSE, values)
         return values
 
+    def _with_end(self, came: NDArray[np.float32], frames: int) -> NDArray[np.float32]:
+        """The last sound, and the silence after it that belongs to the next frame."""
+        heard = self._animator.heard + len(came) / RATE
+        if self._over_since is None:
+            self._over_since = heard
+        lacking = self.shown + frames * self._step + self._look_ahead - heard
+        return np.concatenate([came, _silence(max(0.0, lacking))])
+
     def _hear(self, samples: NDArray[np.float32]) -> None:
         if len(samples):
             self._animator.hear(samples)
             if self._recording is not None:
                 self._recording.add_sound(samples)
+
+
+def _silence(seconds: float) -> NDArray[np.float32]:
+    return np.zeros(round(seconds * RATE), np.float32)

@@ -39,12 +39,18 @@ class Showing:
     ----------
     seconds : float
         The instant, on the clock of the sound that was heard, silence put in its place included.
-    silence : float
-        Seconds of silence that have to be heard first, since no sound came.
+    before, after : float
+        Seconds of silence that have to be heard before and after the sound that came in since the last frame.
     """
 
     seconds: float
-    silence: float = 0.0
+    before: float = 0.0
+    after: float = 0.0
+
+    @property
+    def silence(self) -> float:
+        """Seconds of silence in all."""
+        return self.before + self.after
 
 
 class Playout:
@@ -104,7 +110,7 @@ class Playout:
             self._spare.append(spare)
         self._seconds, self._heard = seconds, heard
         self.silence += made_up + wanting
-        return Showing(seconds, made_up + wanting)
+        return Showing(seconds, made_up, wanting)
 
     def _speed(self) -> float:
         """How fast the sound is shown now, 1: as it was spoken."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import select
 import stat
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -111,6 +112,8 @@ class StreamSource:
             problem = InputError(f"{self.name}: {found}")
         except OSError as found:
             problem = InputError(f"{self.name} cannot be read: {found.strerror}")
+        except Exception as found:  # a fault of ours: told where the frames are made, not lost with this thread
+            problem = found
         self.inbox.end(problem)
 
     def _read_from(self, descriptor: int) -> None:
@@ -125,7 +128,7 @@ class StreamSource:
     def _pieces(self, descriptor: int, until: float | None = None) -> Iterator[bytes]:
         """Bytes as they come, to the end of the file or until an instant of `time.monotonic`."""
         while not self._stopping.is_set() and (until is None or time.monotonic() < until):
-            if not select.select([descriptor], [], [], 0.05)[0]:
+            if sys.platform != "win32" and not select.select([descriptor], [], [], 0.05)[0]:
                 continue
             if data := os.read(descriptor, _PIECE):
                 yield data

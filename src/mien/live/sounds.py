@@ -271,7 +271,7 @@ class Inbox:
             self._pieces = deque([rest] if len(rest) else [])
             self._held = len(rest)
             self._lock.notify_all()
-            if self._problem is not None and not len(taken):
+            if self._problem is not None and not len(joined):
                 problem, self._problem = self._problem, None
                 raise problem
             return taken
