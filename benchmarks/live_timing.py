@@ -6,8 +6,8 @@
 * Processor: seconds of one core for each second of a stream, everything in the process counted.
 * Streams at once: processes of one stream each, started together; a stream is held if fewer than 1 % of its frames were
   skipped for lateness.
-* Gaps: time between two frames at nine clients that read, while another one never reads, one is cut off and comes
-  again ten times a second, and one sends garbage; beside the same nine alone.
+* Gaps: time between two frames at nine clients that read, while a process beside them has one that never reads,
+  one that is cut off and comes again ten times a second, and one that sends garbage; beside the same nine alone.
 """
 
 from __future__ import annotations
@@ -128,22 +128,33 @@ def lateness(look_ahead: float) -> tuple[np.ndarray, Performed, float]:
 def streams_held() -> Iterator[str]:
     """A row for each number of streams that was tried."""
     for count in STREAMS:
-        running = [
-            subprocess.Popen([sys.executable, __file__, "stream"], stdout=subprocess.PIPE, text=True)
-            for _ in range(count)
-        ]
-        shares = [float(one.communicate()[0]) for one in running]
+        command, pipe = [sys.executable, __file__, "stream"], subprocess.PIPE
+        running = [subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) for _ in range(count)]
+        for one in running:
+            assert one.stdout is not None
+            one.stdout.readline()  # it is ready
+        shares = [float(answer) for answer in _begun(running)]
         held = sum(share < HELD for share in shares)
         yield f"| {count} | {held} | {np.mean(shares):.2%} |"
         if held < count / 2:
             return
 
 
+def _begun(running: list[subprocess.Popen[str]]) -> list[str]:
+    """Let all begin at once; what they say at their end."""
+    for one in running:
+        assert one.stdin is not None
+        one.stdin.write("\n")
+        one.stdin.flush()
+    return [one.communicate()[0] for one in running]
+
+
 def _stream() -> float:
-    """The share of frames that one stream skips in this process; all processes begin at the same instant."""
+    """The share of frames that one stream skips in this process; begins when it is told to."""
     animator = LiveAnimator(load_performer("default"))
     source = SoundCard(SECONDS / 2)
-    time.sleep(20 - time.time() % 20)
+    print("ready", flush=True)
+    sys.stdin.readline()
     performed = asyncio.run(perform_live(source, animator, Outlets(), performer="default"))
     return performed.skipped / max(performed.frames + performed.skipped, 1)
 
@@ -156,15 +167,14 @@ async def gaps(troubled: bool, frames: int = 450) -> np.ndarray:
         reading = client(address, 9)
         while len(outlets.hub) < 9:
             await asyncio.sleep(0.01)
-        trouble = (
-            [asyncio.create_task(one(address)) for one in (_never_reads, _comes_and_goes, _shouts)] if troubled else []
-        )
+        trouble = subprocess.Popen([sys.executable, __file__, "trouble", address]) if troubled else None
         start = time.monotonic()
         for number in range(frames):
             await asyncio.sleep(max(0.0, start + rate.time_of(number) - time.monotonic()))
             outlets.send(Frame(number, rate.time_of(number), np.zeros(71)))
-        for one in trouble:
-            one.cancel()
+        if trouble is not None:
+            trouble.kill()
+            trouble.wait()
         outlets.hub.end()
         text = await asyncio.to_thread(reading.communicate)
     came = json.loads(text[0])
@@ -191,6 +201,10 @@ async def _shouts(address: str) -> None:
             writer.write(random.bytes(int(random.integers(1, 20_000))))
             await asyncio.sleep(0.05)
             writer.close()
+
+
+async def _trouble(address: str) -> None:
+    await asyncio.gather(_never_reads(address), _comes_and_goes(address), _shouts(address))
 
 
 def section() -> Iterator[str]:
@@ -226,5 +240,7 @@ if __name__ == "__main__":
     with threadpool_limits(1):
         if sys.argv[1] == "read":
             print(json.dumps(asyncio.run(_read_all(sys.argv[2], int(sys.argv[3])))))
+        elif sys.argv[1] == "trouble":
+            asyncio.run(_trouble(sys.argv[2]))
         else:
             print(_stream())
