@@ -31,9 +31,10 @@ export function layOver(
 export function warped(values: Float32Array, width: number, fps: number, from: readonly number[], to: readonly number[]): Float32Array {
   const clip = new MotionClip(Array.from({ length: width }, (_, i) => String(i)), fps, values);
   const back = to.map((at, i): Point => [at, from[i] as number]);
-  const result = new Float32Array(values.length);
+  const result = values.slice();
   for (let frame = 0; frame * width < values.length; frame++) {
-    result.set(clip.sample(held(back, frame / fps, 'linear')), frame * width);
+    const source = held(back, frame / fps, 'linear');
+    if (Math.abs(source - frame / fps) > 1e-9) result.set(clip.sample(source), frame * width);
   }
   return result;
 }

@@ -21,7 +21,7 @@ export interface HandleEvents {
   reset?: (handle: HandleFacts) => void;
 }
 
-const NEAR = 5; // px: bars nearer than that are drawn as one
+const NEAR = 3.5; // px between bars: of those nearer than that only one is there to take hold of
 const VALUE_STEP = 0.05;
 
 export class Handles {
@@ -46,23 +46,32 @@ export class Handles {
 
   /** Puts the elements where they belong; makes those that are seen and takes away the others. */
   place(): void {
-    const seen = this.facts.filter(({ at }) => this.window.holds(at, this.window.span * 0.01));
+    const inside = this.facts.filter(({ at }) => this.window.holds(at, this.window.span * 0.01));
+    if (!inside.some(({ key }) => key === this.current)) this.current = inside[0]?.key ?? '';
+    const seen = this.apart(inside);
     const wanted = new Set(seen.map(({ key }) => key));
     for (const [key, element] of this.shown) {
       if (wanted.has(key) || key === this.dragging) continue;
       element.remove();
       this.shown.delete(key);
     }
-    if (!wanted.has(this.current)) this.current = seen[0]?.key ?? '';
-    let before = -Infinity;
     for (const facts of seen) {
       const element = this.shown.get(facts.key) ?? this.add(facts.key);
       const x = this.window.x(facts.at);
       describe(element, facts, x);
       element.tabIndex = facts.key === this.current ? 0 : -1;
-      element.classList.toggle('crowded', facts.value === undefined && x - before < NEAR);
-      before = x;
     }
+  }
+
+  /** Without the bars that stand too near to the one before to be told apart; the one that has the focus stays. */
+  private apart(facts: HandleFacts[]): HandleFacts[] {
+    let before = -Infinity;
+    return facts.filter(({ key, at, value }) => {
+      const x = this.window.x(at);
+      const kept = value !== undefined || x - before >= NEAR || key === this.current || key === this.dragging;
+      if (kept) before = x;
+      return kept;
+    });
   }
 
   focus(key: string): void {
