@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mien.corpus.take import Take
 from mien.errors import InputError, Note
 from mien.models.anime_graph.motion_code import MotionCode
-from mien.models.emotion_component_maps import LivelyMap
+from mien.models.emotion_component_maps import LIVELY, LivelyMap
 from mien.models.emotion_mapping import ComponentSplit, EmotionMapping, Pair
 from mien.speech.utterance import PAUSE
 from mien.timeline import FrameRate
@@ -98,7 +98,8 @@ class EmotionMaps:
         rate : FrameRate
             Of the positions.
         random : numpy.random.Generator, optional
-            Draws what cannot be told from the source: see `EmotionMapping.apply`.
+            Draws what cannot be told from the source (see `EmotionMapping.apply`), where the map alone is less lively
+            than `LIVELY`: what is drawn by chance is nearer to no recording.
 
         Raises
         ------
@@ -115,7 +116,9 @@ class EmotionMaps:
         moved = _at(positions, times, own)
         start = moved
         for step in way:
-            moved = self.maps[step].apply(moved, random if step is way[-1] else None)
+            learned = self.maps[step].map_
+            lacks_life = isinstance(learned, LivelyMap) and learned.liveliness_ < LIVELY[0]
+            moved = self.maps[step].apply(moved, random if lacks_life and step is way[-1] else None)
         return np.asarray(positions + _at(moved - start, own, times))
 
 
