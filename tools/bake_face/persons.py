@@ -16,7 +16,7 @@ from eyelids import fit_lids
 from eyes import build_eye, eye_entry, paint_eye
 from head import Head, build_head
 from makehuman import Floats, MakeHuman
-from mouth import seal_lips
+from mouth import line_mouth, seal_lips
 from muscles import add_muscles
 from sculpt import Sculpt
 from subdivision import clip
@@ -87,7 +87,12 @@ def finished_head(data: MakeHuman, person: Floats | None = None) -> Head:
     add_muscles(head)
     seal_lips(head)
     fit_lids(head, head.eye_radius * 0.99)
+    line_mouth(head, _front_of_teeth(head))
     return head
+
+
+def _front_of_teeth(head: Head) -> float:
+    return float(head.skin.vertices[head.lip_loop][:, 2].max()) - 4.0
 
 
 def cut_of_default(head: Head) -> tuple[object, object]:
@@ -121,7 +126,7 @@ def face_of_head(head: Head, name: str, default: Head) -> Face:
 
 def _teeth(head: Head) -> tuple[Sculpt, Sculpt]:
     points = head.skin.vertices[head.lip_loop]
-    seam, front = float(points[:, 1].mean()), float(points[:, 2].max()) - 4.0
+    seam, front = float(points[:, 1].mean()), _front_of_teeth(head)
     upper = build_row(Row("teeth_upper", front=front, edge=seam - 2.6, half_width=27.0, depth=46.0))
     return upper, build_row(Row("teeth_lower", front=front - 2.8, edge=seam - 1.4, half_width=25.0, depth=44.0))
 

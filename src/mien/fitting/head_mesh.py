@@ -242,7 +242,8 @@ def _pieces(
     eyes: Mapping[str, Floats],
     places: Mapping[str, Floats],
 ) -> tuple[Piece, ...]:
-    wanted = np.array([places[name] for name in places if name.startswith(("nose", "chin", "lip_corner", "eye_outer"))])
+    # (not the eyes' corners: lashes of their own lie there)
+    wanted = np.array([places[name] for name in places if name.startswith(("nose", "chin", "lip_corner"))])
     owner = _owner_of(points, triangles, label, wanted)
     mouth = (places["lip_corner_left"] + places["lip_corner_right"]) / 2
     order = np.argsort(label, kind="stable")
