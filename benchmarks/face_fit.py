@@ -33,9 +33,9 @@ heads has never seen. **Surface**: mean distance of the fitted skin, mouth / eye
 52 shapes against the character's own, mean over vertices that truly move by more than {moving} mm (and its share of
 that movement, which is what no shapes at all would give as 100 %). MakeHuman moves every character by the same
 millimetres, so a head of another size than the default's counts as error what mien scales with the face; **carried**
-leaves that out: against the default's shapes on the truly corresponding vertices. **Lips**, **lids**: widest opening
-left between the lips of `jawOpen` with `mouthClose`, and between the lids in a blink. All in mm. The scan has no true
-shapes.
+leaves that out: against the default's shapes on the truly corresponding vertices. **Lips**, **lids**: what is left
+open between the lips of `jawOpen` with `mouthClose` (98th percentile along them), and between the lids in a blink
+(95th). All in mm. The scan has no true shapes.
 """
 SOME = (
     *needed_landmarks(), "lid_upper_left", "lid_upper_right", "lid_lower_left", "lid_lower_right", "lip_upper_inner",

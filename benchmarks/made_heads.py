@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from mien.face.face import Face
 from mien.fitting.fit_head import GivenMesh
 from mien.fitting.landmarks import known_landmarks
-from mien.fitting.surface import Surface, edges_of
+from mien.fitting.surface import edges_of
 
 TOOLS = Path(__file__).parent.parent / "tools" / "bake_face"
 MIDDLE = np.array([0.0, -25.0, -55.0])  # inside the head, mm: where the made-up scanner stands
@@ -129,20 +130,31 @@ def z_up(vertices: np.ndarray) -> np.ndarray:
 def radial_grid(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Outermost surface on a grid of directions, 220 by 300, from the crown to the neck."""
     rows, columns = 220, 300
-    down = np.linspace(0.02, 0.77 * np.pi, rows)
+    down = np.linspace(0.02, 0.74 * np.pi, rows)
     around = np.linspace(-np.pi, np.pi, columns, endpoint=False)
-    direction = np.stack(
+    reach = farthest_hits(vertices, triangles, down, columns)
+    for _ in range(8):  # directions that no sample fell into take their neighbours' middle
+        reach = np.where(reach == 0, median_filter(reach, 3, mode="wrap"), reach)
+    unit = np.stack(
         [np.outer(np.sin(down), np.sin(around)), np.outer(np.cos(down), np.ones(columns)),
          np.outer(np.sin(down), np.cos(around))], axis=-1,
-    ).reshape(-1, 3)  # fmt: skip
-    reach = np.full(len(direction), 170.0)
-    surface = Surface(vertices, triangles)
-    for _ in range(45):  # slide inwards along the ray until the surface is met
-        found = surface.closest(MIDDLE + reach[:, None] * direction, direction)
-        gap = np.einsum("nc,nc->n", MIDDLE + reach[:, None] * direction - found.points, direction)
-        reach -= np.clip(0.6 * gap, -4.0, 4.0)
+    )  # fmt: skip
     number = np.arange(rows * columns).reshape(rows, columns)
     after = np.roll(number, -1, axis=1)
     a, b, c, d = number[:-1], number[1:], after[1:], after[:-1]
     cells = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
-    return MIDDLE + reach[:, None] * direction, cells.astype(np.int32)
+    there = (reach.ravel()[cells] > 0).all(axis=1)
+    return (MIDDLE + reach[:, :, None] * unit).reshape(-1, 3), cells[there].astype(np.int32)
+
+
+def farthest_hits(vertices: np.ndarray, triangles: np.ndarray, down: np.ndarray, columns: int) -> np.ndarray:
+    """Distance of the farthest of many samples of the surface in each direction, 0 where there is none."""
+    share = np.array([(i, j, 12 - i - j) for i in range(13) for j in range(13 - i)]) / 12
+    arm = np.einsum("gk,tkd->tgd", share, vertices[triangles]).reshape(-1, 3) - MIDDLE
+    length = np.linalg.norm(arm, axis=1)
+    row = np.rint((np.arccos(arm[:, 1] / length) - down[0]) / (down[1] - down[0])).astype(int)
+    column = np.rint((np.arctan2(arm[:, 0], arm[:, 2]) + np.pi) / (2 * np.pi) * columns).astype(int) % columns
+    inside = (row >= 0) & (row < len(down))
+    reach = np.zeros((len(down), columns))
+    np.maximum.at(reach, (row[inside], column[inside]), length[inside])
+    return reach
