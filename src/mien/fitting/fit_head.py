@@ -47,8 +47,8 @@ class FittedHead:
         The default skin bent onto the head.
     alignment : Alignment
     lip_gap, lid_gap : float
-        What is left open between the lips in ``jawOpen`` with ``mouthClose`` (over what is open at rest; 98th percentile
-        along them), and between the lids of either eye in a blink (95th), mm; NaN where there are none.
+        What is left open between the lips in ``jawOpen`` with ``mouthClose`` (over what is open at rest; 98th
+        percentile along them), and between the lids of either eye in a blink (95th), mm; NaN where there are none.
     folded : mapping of str to float
         Share of the skin's area that a target at weight 1 turns over, where it is more than on the default face.
     kept : ndarray of int64
