@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from mien.audio import Audio
-from mien.errors import InputError, Note
+from mien.errors import InputError, MienError, Note
 from mien.modules.joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
 from mien.modules.places import Clock
 from mien.modules.spoken import Spoken
@@ -116,14 +116,11 @@ def _spoken(script: Script, voice: str | None, seed: int, language: str | Path |
     for number in told:
         segment = script.segments[number]
         spellings = [(s.start, s.end, s.phones) for s in segment.spellings]
-        said = synthesise(
-            segment.text,
-            voice=segment.voice or voice,
-            seed=seed,
-            language=None if segment.voice else language,
-            spellings=spellings,
-        )
-        pieces[number] = said, read_words(segment.text, None if segment.voice else language, said.language)
+        own, notes = _own_voice(segment.voice)
+        spoken_in = None if own else language
+        said = synthesise(segment.text, voice=own or voice, seed=seed, language=spoken_in, spellings=spellings)
+        said = said.with_notes(*notes)
+        pieces[number] = said, read_words(segment.text, spoken_in, said.language)
     first, spoken = pieces[told[0]]
     alone = script.segments[told[0]]
     if len(script.segments) == 1 and alone.silence is None and alone.start is None:
@@ -140,6 +137,26 @@ def _spoken(script: Script, voice: str | None, seed: int, language: str | Path |
         joiner.silence(waiting)
     notes = [note for number in told[1:] for note in pieces[number][0].notes if note not in first.notes]
     return Joined(joiner.finish(first, script.text).with_notes(*notes), tuple(joiner.places))
+
+
+def _own_voice(asked: str | None) -> tuple[str | None, list[Note]]:
+    """The first that is there of the voices a segment asks for; None: the usual one, with a note if it has to do."""
+    from mien.speech.voices import get_voice
+
+    names = (asked or "").split()
+    if len(names) < 2:
+        return asked, []  # the engine tells if it is not there
+    problems = list[str]()
+    for name in names:
+        if name == "...":
+            return None, [Note("note", f"{'; '.join(problems)}; the usual voice speaks instead")]
+        try:
+            get_voice(name)
+        except MienError as problem:
+            problems.append(str(problem).partition("?")[0].partition("; known")[0])
+        else:
+            return name, []
+    raise InputError(problems[0])
 
 
 def _silence(segment: Segment, script: Script, joiner: Joiner, waiting: float) -> float | None:

@@ -10,6 +10,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -25,7 +26,7 @@ from mien.script.tags import Event
 
 __all__ = ["read_bml"]
 
-_REFERENCE = re.compile(r"\s*(?:[\w-]+:)??([\w-]+):([\w-]+)\s*(?:([+-])\s*(\d+(?:\.\d*)?|\.\d+)\s*)?$")
+_REFERENCE = re.compile(r"\s*([\w.-]+?(?::[\w.-]+?){1,3})\s*(?:([+-])\s*(\d+(?:\.\d*)?|\.\d+)\s*)?$")
 _HEADS = ("head", "headDirectionShift")
 _GAZES = ("gaze", "gazeShift")
 _FACES = ("faceLexeme", "faceFacs", "faceShift", "face")
@@ -33,6 +34,18 @@ _KIND = (
     {"speech": "speech"} | dict.fromkeys(_HEADS, "head") | dict.fromkeys(_GAZES, "gaze") | dict.fromkeys(_FACES, "face")
 )
 _NOT_HERE = ("gesture", "pointing", "posture", "postureShift", "pose", "locomotion", "wait", "emit", "object")
+"""What has no place on a head. Their sync points are kept, so that what refers to them keeps its time."""
+_KIND |= dict.fromkeys(_NOT_HERE, "unseen")
+_GIVEN = {
+    "speech": (),
+    "head": ("lexeme", "type", "repetition", "amount", "target", "offsetAngle", "offsetDirection"),
+    "gaze": ("target", "influence", "offsetAngle", "offsetDirection"),
+    "face": ("lexeme", "amount", "au", "side"),
+}
+"""Attributes of behaviours, besides id and sync points."""
+
+
+_REQUIRED = ", although it is required; the rest is performed"
 
 
 @dataclass
@@ -65,7 +78,8 @@ def _tree(events: Sequence[Event]) -> _Element:
     stack = [root]
     for event in events:
         if event.kind == "open":
-            stack.append(_Element(event.text, dict(event.attributes), event.line))
+            given = dict(event.attributes) | dict.fromkeys(event.strange, "...")
+            stack.append(_Element(event.text, given, event.line))
             stack[-2].children.append(stack[-1])
         elif event.kind == "close":
             stack.pop()
@@ -93,9 +107,12 @@ class _Block:
         self.points: dict[str, Point] = {}
         self.commands: list[DirectedCommand] = []
         self.curves: list[DirectedCurve] = []
-        for name in ("composition", "characterId", "character"):
-            if name in root.given and root.given[name] != "MERGE":
-                self.note(root, f"{name}={root.given[name]!r} is not followed: there is one block and one face")
+        self.name = root.given.get("id", "")
+        for name, value in root.given.items():
+            if name in ("composition", "characterId", "character") and value != "MERGE":
+                self.note(root, f"{name}={value!r} is not followed: there is one block and one face")
+            elif name not in ("id", "xml:id", "composition", "characterId", "character"):
+                self.note(root, f"{name}={value!r} is not followed")
         for element in root.elements():
             self._gather(element)
 
@@ -105,43 +122,82 @@ class _Block:
     def fault(self, element: _Element, message: str) -> InputError:
         return InputError(f"{self.source}, line {element.line}: {message}")
 
-    def _gather(self, element: _Element) -> None:
+    def _gather(self, element: _Element, required: bool = False) -> None:
         if element.name == "required":
             for child in element.elements():
-                self._gather(child)
+                self._gather(child, required=True)
         elif element.name == "constraint":
             self._constrain(element)
         elif element.name in _KIND:
-            name = element.given.get("id") or f"{element.name}{len(self.behaviours) + 1}"
-            if name in self.behaviours:
-                raise self.fault(element, f"the id {name!r} stands there twice")
-            self.behaviours[name] = element
-            known = self._shares(element)
-            given = self.sync.setdefault(name, {})
-            given |= {key: value for key, value in element.given.items() if key in known}
-        elif element.name in _NOT_HERE:
-            self.note(element, f"<{element.name}> cannot be shown by a head and is left out")
+            self._behaviour(element, required)
         else:
-            self.note(element, f"<{element.name}> is not known and left out")
+            self.note(element, f"<{element.name}> is not known and left out" + _REQUIRED * required)
+
+    def _behaviour(self, element: _Element, required: bool) -> None:
+        name = element.given.get("id") or f"{element.name}{len(self.behaviours) + 1}"
+        if name in self.behaviours:
+            raise self.fault(element, f"the id {name!r} stands there twice")
+        self.behaviours[name] = element
+        known, kind = self._shares(element), _KIND[element.name]
+        given = self.sync.setdefault(name, {})
+        given |= {key: value for key, value in element.given.items() if key in known}
+        if element.name == "wait":
+            self._wait(element)
+        if kind == "unseen":
+            self.note(element, f"<{element.name}> cannot be shown by a head and is left out" + _REQUIRED * required)
+            return
+        for key, value in element.given.items():
+            if key not in (*known, *_GIVEN[kind], "id", "xml:id"):
+                self.note(element, f"<{element.name}>: {key}={value!r} is not followed")
 
     def _constrain(self, element: _Element) -> None:
         for relation in element.elements():
             if relation.name not in ("synchronize", "before", "after"):
                 self.note(relation, f"the constraint <{relation.name}> is not followed")
                 continue
-            anchor = relation.given.get("ref")
+            followers = list(relation.elements())
+            anchor = relation.given.get("ref") or (followers.pop(0).given.get("ref") if followers else None)
             if anchor is None:
-                raise self.fault(relation, f"<{relation.name}> needs ref=")
-            for follower in relation.elements():
-                found = _REFERENCE.match(follower.given.get("ref", ""))
-                if found is None:
-                    raise self.fault(
-                        follower, f'expected <sync ref="behaviour:point"/>, got {follower.given.get("ref")!r}'
-                    )
-                given = self.sync.setdefault(found[1], {})
-                if found[2] in given:
-                    self.note(follower, f"{found[1]}:{found[2]} has a time already; the constraint is left out")
-                given.setdefault(found[2], anchor)
+                raise self.fault(relation, f'<{relation.name}> needs ref="behaviour:point"')
+            for follower in followers:
+                self._follow(follower, anchor)
+
+    def _follow(self, follower: _Element, anchor: str) -> None:
+        found = self._parsed(follower, follower.given.get("ref", ""))
+        if found is None:
+            raise self.fault(follower, f'expected <sync ref="behaviour:point"/>, got {follower.given.get("ref")!r}')
+        name, point, offset = found
+        given = self.sync.setdefault(name, {})
+        if point in given:
+            self.note(follower, f"{name}:{point} has a time already; the constraint is left out")
+        elif not offset:
+            given[point] = anchor
+        else:  # follower + offset stands at the anchor
+            whole = _REFERENCE.match(anchor)
+            before = float(f"{whole[2]}{whole[3]}") if whole and whole[2] else 0.0
+            total = before - offset / 1000
+            given[point] = (whole[1] if whole else anchor) + (f"{total:+g}" if total else "")
+
+    def _parsed(self, element: _Element, text: str) -> tuple[str, str, float] | None:
+        """Behaviour, sync point and offset in ms of ``behaviour:point+seconds``; block and repetition are told."""
+        found = _REFERENCE.match(text)
+        if found is None:
+            return None
+        parts, offset = found[1].split(":"), float(f"{found[2]}{found[3]}") if found[2] else 0.0
+        whole = text.strip().split(":")
+        if whole[-2] in self.behaviours and whole[-1] in self._points_of(whole[-2]):
+            parts, offset = whole, 0.0  # a name such as sync-1
+        if len(parts) > 2 and parts[-1].isdigit():
+            if parts[-1] != "1":
+                self.note(element, f"{text!r}: the repetition {parts[-1]} is not told apart; the first is taken")
+            parts = parts[:-1]
+        if len(parts) == 3:
+            if self.name and parts[0] != self.name:
+                self.note(element, f"{text!r}: there is no other block; {':'.join(parts[1:])} of this one is taken")
+            parts = parts[1:]
+        if len(parts) != 2:
+            return None
+        return parts[0], parts[1], 1000 * offset
 
     # ---- Time --------------------------------------------------------------------------------------------------
 
@@ -190,21 +246,31 @@ class _Block:
 
     def _length(self, element: _Element) -> float:
         seconds: float = _table()[_KIND[element.name]]["seconds"]
+        if element.name == "wait":
+            seconds = self._wait(element)
         return 1000 * seconds * (self._repetition(element) if element.name == "head" else 1)
+
+    def _wait(self, element: _Element) -> float:
+        """Seconds that a ``<wait>`` says it lasts; 0 where it waits for an event."""
+        text = element.given.get("duration") or element.given.get("max-wait") or "0"
+        if re.fullmatch(r"\d+(\.\d*)?|\.\d+", text) is None:
+            raise self.fault(element, f"duration is seconds, not {text!r}")
+        return float(text)
 
     def _refer(self, element: _Element, text: str) -> Moment:
         if re.fullmatch(r"\s*\+?(\d+(\.\d*)?|\.\d+)\s*", text):
             return Moment(offset=round(float(text) * 1000, 6))
-        found = _REFERENCE.match(text)
+        found = self._parsed(element, text)
         if found is None:
             raise self.fault(element, f"a sync reference is seconds, or behaviour:point+seconds, not {text!r}")
-        name, point = found[1], found[2]
+        name, point, offset = found
+        if name == self.name and name not in self.behaviours and point in ("start", "end"):
+            return Moment(offset=offset) if point == "start" else Moment.at("end") + offset
         if name not in self.behaviours:
             raise self.fault(element, str(unknown_name("behaviour", name, self.behaviours)))
         known = self._points_of(name)
         if point not in known:
             raise self.fault(element, str(unknown_name(f"sync point of {name}", point, known)))
-        offset = float(found[4] or 0) * 1000 * (-1 if found[3] == "-" else 1)
         return self.moment(name, point) + offset
 
     def _points_of(self, name: str) -> list[str]:
@@ -220,7 +286,7 @@ class _Block:
             if element.name == "speech":
                 self._speech(name, element)
         for name, element in self.behaviours.items():
-            if element.name != "speech":
+            if _KIND[element.name] not in ("speech", "unseen"):
                 {"head": self._head, "gaze": self._gaze, "face": self._face}[_KIND[element.name]](name, element)
         for name in self.sync:
             if name not in self.behaviours:
@@ -234,11 +300,13 @@ class _Block:
         )
 
     def _speech(self, name: str, element: _Element) -> None:
-        if any(child.name == "description" for child in element.elements()):
+        plain = any(child.name == "text" for child in element.elements())
+        if plain and any(child.name == "description" for child in element.elements()):
             self.note(element, "<description> is left out: the plain <text> is spoken")
         if "end" in self.sync[name]:
             self.note(element, f"the end of {name} is where its words end; the one given is not followed")
-        texts = [child for child in element.elements() if child.name == "text"] or [element]
+        texts = [child for child in element.elements() if child.name == "text"]
+        texts = texts or list(_inside(element, ("speak",))) or [element]
         builder = Builder(self.library, self.source, collapse=True, elements=ELEMENTS)
         for child in texts[0].children:
             self._feed(builder, child)
@@ -280,7 +348,7 @@ class _Block:
         builder.take(Event("close", child.name, child.line))
 
     def _repetition(self, element: _Element) -> int:
-        text = element.given.get("repetition", "1")
+        text = element.given.get("repetition", "1").strip().removesuffix(".0")
         if not text.isdigit() or int(text) < 1:
             raise self.fault(element, f"repetition is a whole number, 1 or more, not {text!r}")
         return int(text)
@@ -294,16 +362,23 @@ class _Block:
             raise self.fault(element, f"amount runs from 0 to 1, not {element.given['amount']!r}")
         return amount
 
-    def _lexeme(self, element: _Element, kind: str) -> str:
-        lexeme = element.given.get("lexeme", "")
+    def _lexeme(self, element: _Element, kind: str) -> str | None:
+        """A command, or an action unit; None (and a note) for a lexeme of another set."""
+        lexeme = (element.given.get("lexeme") or element.given.get("type") or "").strip()
         known: dict[str, str] = _table()[kind]["lexemes"]
-        if lexeme.upper() in known:
-            return known[lexeme.upper()]
+        sign = lexeme.upper().replace("-", "_")
+        if sign in known:
+            return known[sign]
         if lexeme in self.library:
             return lexeme
-        raise self.fault(
-            element, str(unknown_name(f"lexeme of <{element.name}>", lexeme, [*known, *self.library.names]))
-        )
+        if not lexeme:
+            raise self.fault(element, f"<{element.name}> needs lexeme=, one of {', '.join(known)}")
+        if get_close_matches(sign, known, n=1) or get_close_matches(lexeme, self.library.names, n=1):
+            raise self.fault(
+                element, str(unknown_name(f"lexeme of <{element.name}>", lexeme, [*known, *self.library.names]))
+            )
+        self.note(element, f"the lexeme {lexeme!r} is not known and left out; known: {', '.join(known)}")
+        return None
 
     def _head(self, name: str, element: _Element) -> None:
         if element.name == "headDirectionShift":
@@ -313,6 +388,8 @@ class _Block:
                 self._curve(element, parameter, ((start, 0.0), (end, degrees / 60), (Moment.at("end"), degrees / 60)))
             return
         command = self._lexeme(element, "head")
+        if command is None:
+            return
         percent = self._amount(element) * _table()["head"]["percent"]
         given = [("amplitude", f"{percent:g}")]
         if "count" in self.library[command].parameters:
@@ -326,6 +403,8 @@ class _Block:
         start = self.moment(name, "start")
         end = Moment.at("end") if element.name == "gazeShift" else self.moment(name, "end")
         influence = element.given.get("influence", "EYES").upper()
+        if influence not in ("EYES", "HEAD", "NECK"):
+            self.note(element, f"influence={influence!r}: eyes and head turn, nothing else")
         head_share = 0.0 if influence == "EYES" else 0.7
         where = f"{self.source}, line {element.line}"
         eyes = (("yaw", f"{yaw * (1 - head_share):g}"), ("pitch", f"{pitch * (1 - head_share):g}"))
@@ -355,7 +434,10 @@ class _Block:
         return yaw + angle * side, pitch + angle * height
 
     def _face(self, name: str, element: _Element) -> None:
-        parts = [element] if element.name != "face" else [*element.elements()]
+        parts = [item for item in element.elements() if item.name in _FACES]
+        for item in element.elements():
+            if item.name not in _FACES:
+                self.note(item, f"<{item.name}> in <{element.name}> is left out")
         parts = parts or [element]
         for part in parts:
             for parameter, value in self._shape(part).items():
@@ -371,7 +453,14 @@ class _Block:
         """Face parameters at the peak."""
         if "au" in element.given:
             return self._units(element)
-        command = self.library[self._lexeme(element, "face")]
+        if element.name == "faceFacs":
+            raise self.fault(element, "<faceFacs> needs au=, the number of an action unit")
+        lexeme = self._lexeme(element, "face")
+        if lexeme is None:
+            return {}
+        if lexeme.startswith("AU"):
+            return {lexeme: self._amount(element)}
+        command = self.library[lexeme]
         scale = self._amount(element) * _table()["face"]["percent"] / 100
         return {
             parameter: max((key.factor for key in keys if key.of is None), key=abs, default=0.0) * scale

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 
 from mien.errors import InputError, Note, unknown_name
 from mien.script.commands import Command, CommandLibrary
@@ -24,7 +25,7 @@ from mien.script.tags import Event, unknown_tag
 
 __all__ = ["SILENT", "Builder", "Element", "OpenEmotion", "Opened"]
 
-SILENT = ("metadata", "meta", "lexicon", "lookup", "desc")
+SILENT = ("metadata", "meta", "lexicon", "desc")
 """Elements whose text is not spoken."""
 
 PLACED = ("emotion", "gaze", "mark", "curve", "pose")
@@ -142,15 +143,39 @@ class Builder:
         self.opened.append(Opened(event, lambda: None, text_at=len(self.text), segment_at=len(self.segments)))
         if any(item.event.text in SILENT for item in self.opened[:-1]):
             return
+        if event.strange:
+            self.note(f"<{event.text}>: {', '.join(event.strange)} is of another vocabulary and not followed")
         try:
-            if event.text in self.elements:
-                self.elements[event.text](self, dict(event.attributes))
+            if event.foreign or self._is_of_another_standard(event):
+                self.note(f"<{event.text}> is not known here; what it holds is spoken as if it were not there")
+            elif event.text in self.elements:
+                self.elements[event.text](self, self._without_language(event))
             elif event.text in self.library:
                 self._command(event)
             else:
                 raise unknown_tag(event, (*self.elements, *self.library.names), self.source)
         except InputError as problem:
             raise self._placed(problem) from problem
+
+    @property
+    def is_ssml(self) -> bool:
+        """Whether this is SSML, where what a voice cannot do is passed over rather than refused."""
+        return bool(self.opened) and self.opened[0].event.text == "speak"
+
+    def _is_of_another_standard(self, event: Event) -> bool:
+        """Whether SSML holds an element that is none, and is no slip of the pen either."""
+        known = (*self.elements, *self.library.names)
+        return self.is_ssml and event.text not in known and not get_close_matches(event.text, known, n=1, cutoff=0.75)
+
+    def _without_language(self, event: Event) -> dict[str, str]:
+        """Attributes of an element; the language inside the root is told and left out."""
+        given = dict(event.attributes)
+        if len(self.opened) > 1 and "xml:lang" in given:
+            spoken = given.pop("xml:lang")
+            if spoken.partition("-")[0].lower() != (self.language or "en").partition("-")[0].lower():
+                self.note(f"<{event.text}>: xml:lang={spoken!r} is not followed: the same voice reads it")
+            given.pop("onlangfailure", None)
+        return given
 
     def _close(self, name: str) -> None:
         if not any(item.event.text == name for item in self.opened):

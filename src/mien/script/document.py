@@ -37,6 +37,7 @@ class Segment:
     start : Moment or None
         When it begins, if that is asked for; later where the speech before it lasts longer.
     voice : str or None
+        A name, or several by preference with blanks between; ``...`` at their end: any voice, if none of them is there.
     spellings : tuple of Spelling
     """
 

@@ -33,7 +33,7 @@ def _root(builder: Builder, given: Given) -> None:
     only(given, *names, "schemaLocation")
     builder.language = given.get("language") or given.get("xml:lang")
     builder.script_voice = given.get("voice")
-    for name in ("startmark", "endmark"):
+    for name in ("startmark", "endmark", "onlangfailure"):
         if name in given:
             builder.note(f"{name} is not followed: everything is spoken")
 

@@ -28,7 +28,16 @@ def _ipa() -> dict[str, tuple[str, ...]]:
     text = files("mien").joinpath("assets", "phones", "ipa_to_arpabet.toml").read_text(encoding="utf-8")
     found = {_bare(sign): tuple(phones) for sign, phones in tomllib.loads(text)["phones"].items()}
     found |= {"eɪ": ("EY",), "oʊ": ("OW",), "əʊ": ("OW",), "aɪ": ("AY",), "aʊ": ("AW",), "ɔɪ": ("OY",)}
-    found |= {"tʃ": ("CH",), "dʒ": ("JH",), "ɝ": ("ER",), "ɚ": ("ER",), "ɜː": ("ER",), "ɜ": ("ER",)}
+    found |= {
+        "tʃ": ("CH",),
+        "dʒ": ("JH",),
+        "ʧ": ("CH",),
+        "ʤ": ("JH",),
+        "ɝ": ("ER",),
+        "ɚ": ("ER",),
+        "ɜː": ("ER",),
+        "ɜ": ("ER",),
+    }
     found |= {"g": ("G",), "ɡ": ("G",), "ɹ": ("R",), "r": ("R",), "ɾ": ("D",), "ei": ("EY",), "ou": ("OW",)}
     return dict(sorted(found.items(), key=lambda entry: -len(entry[0])))
 

@@ -6,6 +6,7 @@ of the library is an element. What cannot be done is a note on the result.
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -78,7 +79,7 @@ def script_text(path: str | Path) -> str:
     Raises
     ------
     InputError
-        If it has another suffix, is missing, or is not UTF-8.
+        If it has another suffix, is missing, or is neither UTF-8 nor what its XML declaration says.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -86,11 +87,28 @@ def script_text(path: str | Path) -> str:
     if not path.is_file():
         raise InputError(f"{path}: no such script")
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
+        content = path.read_bytes()
     except OSError as problem:
         raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    encoding = _encoding(content, path)
+    try:
+        return content.decode(encoding).replace("\r\n", "\n")
+    except UnicodeDecodeError as problem:
+        name = "UTF-8" if encoding == "utf-8-sig" else encoding
+        raise InputError(f"{path}: expected {name} text, got other bytes at byte {problem.start}") from problem
+
+
+def _encoding(content: bytes, path: Path) -> str:
+    """UTF-8, unless a byte-order mark or an XML declaration says otherwise."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    declared = re.match(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*["']([\w.-]+)["']""", content)
+    name = declared[1].decode("ascii") if declared else "utf-8"
+    try:
+        found = codecs.lookup(name).name
+    except LookupError as problem:
+        raise InputError(f"{path}, line 1: the encoding {name!r} is not known; save it as UTF-8") from problem
+    return "utf-8-sig" if found == "utf-8" else found
 
 
 def _built(events: Iterable[Event], library: CommandLibrary, source: str, collapse: bool) -> Script:

@@ -23,6 +23,8 @@ __all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text",
 ROOTS = ("script", "speak", "bml")
 """Root elements of the documents that can be read: mien's own, SSML, BML."""
 
+_OWN_NAMESPACES = ("mien", "www.w3.org/2001/10/synthesis", "bml")
+"""What the names of namespaces hold whose elements are read like the document's own."""
 _NAME = r"[A-Za-z_][\w.:-]*"
 _ATTRIBUTE = rf"""\s+({_NAME})\s*=\s*("[^"<]*"|'[^'<]*')"""
 _TAG = re.compile(rf"<(?:(/)\s*({_NAME})\s*|({_NAME})((?:{_ATTRIBUTE})*)\s*(/?))>")
@@ -47,6 +49,10 @@ class Event:
     attributes : tuple of (str, str)
     empty : bool
         Whether an element opened as ``<NAME/>``.
+    foreign : bool
+        Whether the element is of another vocabulary than the document, by its namespace.
+    strange : tuple of str
+        Attributes of other vocabularies.
     """
 
     kind: Literal["text", "open", "close"]
@@ -54,6 +60,8 @@ class Event:
     line: int
     attributes: tuple[tuple[str, str], ...] = ()
     empty: bool = False
+    foreign: bool = False
+    strange: tuple[str, ...] = ()
 
 
 def is_document(text: str) -> bool:
@@ -152,6 +160,32 @@ def _refuse_half_tag(text: str, here: int, known: Collection[str], where: str) -
     )
 
 
+class _Namespaces:
+    """Which elements are of the document's own vocabulary.
+
+    Documents in the wild leave namespaces out, or take any prefix; so what is of the root's namespace, of mien's, or of
+    one that no prefix was bound to, is the document's own.
+    """
+
+    def __init__(self) -> None:
+        self.bound: list[dict[str, str]] = [{}]
+        self.root: str | None = None
+
+    def opened(self, name: str, attributes: dict[str, str]) -> bool:
+        """Whether an element that opens is foreign."""
+        new = {key.partition(":")[2]: value for key, value in attributes.items() if key.split(":")[0] == "xmlns"}
+        self.bound.append(self.bound[-1] | new)
+        prefix = name.rpartition(":")[0]
+        space = self.bound[-1].get(prefix, prefix)
+        if self.root is None:
+            self.root = space
+        return space not in (self.root, "") and not any(word in space for word in _OWN_NAMESPACES)
+
+    def closed(self) -> None:
+        """An element was closed."""
+        self.bound.pop()
+
+
 def read_document(text: str, source: str) -> Iterator[Event]:
     """Events of an XML document, names without their namespace prefix.
 
@@ -161,18 +195,22 @@ def read_document(text: str, source: str) -> Iterator[Event]:
         If it is not well-formed XML, or declares entities of its own (which could blow up).
     """
     events: list[Event] = []
-    parser = expat.ParserCreate()
+    parser = expat.ParserCreate("utf-8")  # whatever it declares: it was decoded before
     parser.buffer_text = True
     opened: list[tuple[str, int]] = []
+    spaces = _Namespaces()
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        name = name.rpartition(":")[2]
+        foreign, name = spaces.opened(name, attributes), name.rpartition(":")[2]
         opened.append((name, parser.CurrentLineNumber))
-        pairs = tuple((key, value) for key, value in attributes.items() if not key.startswith(("xmlns", "xsi:")))
-        events.append(Event("open", name, parser.CurrentLineNumber, pairs))
+        plain = {key: value for key, value in attributes.items() if not key.startswith(("xmlns", "xsi:"))}
+        pairs = tuple((key, value) for key, value in plain.items() if ":" not in key or key.startswith("xml:"))
+        strange = tuple(key for key in plain if ":" in key and not key.startswith("xml:"))
+        events.append(Event("open", name, parser.CurrentLineNumber, pairs, foreign=foreign, strange=strange))
 
     def end(name: str) -> None:
         opened.pop()
+        spaces.closed()
         events.append(Event("close", name.rpartition(":")[2], parser.CurrentLineNumber))
 
     def data(content: str) -> None:
@@ -181,8 +219,15 @@ def read_document(text: str, source: str) -> Iterator[Event]:
     def entity(name: str, *_: object) -> None:
         raise InputError(f"{source}, line {parser.CurrentLineNumber}: entity {name!r}: own entities are not read")
 
+    def skipped_entity(name: str, parameter: bool) -> None:
+        sign = unescape(f"&{name};")
+        if not parameter and sign == f"&{name};":
+            raise InputError(f"{source}, line {parser.CurrentLineNumber}: the entity &{name}; is not known")
+        events.append(Event("text", "" if parameter else sign, parser.CurrentLineNumber))
+
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler, parser.EntityDeclHandler = data, entity
+    parser.SkippedEntityHandler = skipped_entity
     try:
         parser.Parse(text.lstrip("\ufeff \t\r\n").encode("utf-8"), True)
     except expat.ExpatError as problem:

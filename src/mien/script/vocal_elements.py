@@ -72,6 +72,8 @@ def _say_as(builder: Builder, given: Given) -> None:
 def _phoneme(builder: Builder, given: Given) -> None:
     only(given, "ph", "alphabet", "type")
     alphabet, item = given.get("alphabet", "ipa"), builder.opened[-1]
+    if given.get("type", "default") != "default":
+        builder.note(f"phoneme: type={given['type']!r} is not followed")
     try:
         phones = phones_of(needed(given, "ph"), alphabet)
     except InputError as problem:
@@ -106,31 +108,34 @@ def _prosody(builder: Builder, given: Given) -> None:
     for name in ("contour", "range", "duration"):
         if name in given:
             builder.note(f"prosody: {name} is not followed: no voice here can")
-    rate = _rate(given.get("rate", "medium"))
+    rate = _rate(given.get("rate", "medium"), builder)
     pitch = _semitones(given.get("pitch", "medium"), builder)
-    volume = _decibels(given.get("volume", "medium"))
+    volume = _decibels(given.get("volume", "medium"), builder)
     _spoken(builder, rate, pitch, volume)
 
 
-def _rate(text: str) -> float:
-    if text in RATES:
-        return RATES[text]
+def _rate(text: str, builder: Builder) -> float:
+    if text.strip() in RATES:
+        return RATES[text.strip()]
     found = re.fullmatch(r"([+-]?)(\d+(?:\.\d+)?)(%?)", text.strip())
     if found is None:
         raise InputError(f"a rate is such as slow, 80% or 1.2, not {text!r}")
     number = float(found[2]) / (100 if found[3] else 1)
     rate = 1 + number * (-1 if found[1] == "-" else 1) if found[1] else number
+    if not 0.25 <= rate <= 4 and builder.is_ssml:
+        builder.note(f"prosody: a rate of {text} is brought to between 0.25 and 4 times as fast")
+        return min(4.0, max(0.25, rate))
     if not 0.25 <= rate <= 4:
         raise InputError(f"a rate lies between 0.25 and 4 times as fast, not {rate:g}")
     return rate
 
 
 def _semitones(text: str, builder: Builder) -> float:
-    if text in PITCHES:
-        return PITCHES[text]
+    if text.strip() in PITCHES:
+        return PITCHES[text.strip()]
     found = re.fullmatch(r"([+-]\d+(?:\.\d+)?)(st|%)", text.strip())
     if found is None:
-        if re.fullmatch(r"[+-]?\d+(?:\.\d+)?Hz", text.strip(), re.IGNORECASE):
+        if re.fullmatch(r"[+-]?\d+(?:\.\d+)?(Hz)?", text.strip(), re.IGNORECASE):
             builder.note(f"prosody: a pitch of {text} is not followed; give it as +2st or +10%")
             return 0.0
         raise InputError(f"a pitch is such as high, +2st or -10%, not {text!r}")
@@ -139,14 +144,20 @@ def _semitones(text: str, builder: Builder) -> float:
     else:
         factor = 1 + float(found[1]) / 100
         pitch = 12 * log2(factor) if factor > 0 else -99.0
+    if not -12 <= pitch <= 12 and builder.is_ssml:
+        builder.note(f"prosody: a pitch of {text} is brought to within 12 semitones")
+        return min(12.0, max(-12.0, pitch))
     if not -12 <= pitch <= 12:
         raise InputError(f"a pitch changes by at most 12 semitones, not {text!r}")
     return round(pitch, 6)
 
 
-def _decibels(text: str) -> float:
-    if text in VOLUMES:
-        return VOLUMES[text]
+def _decibels(text: str, builder: Builder) -> float:
+    if text.strip() in VOLUMES:
+        return VOLUMES[text.strip()]
+    if re.fullmatch(r"[+-]\d+(\.\d+)?%?|\d+(\.\d+)?%", text.strip()):
+        builder.note(f"prosody: a volume of {text} is not followed; give it as +3dB")
+        return 0.0
     found = re.fullmatch(r"([+-]?\d+(?:\.\d+)?)(dB)?", text.strip())
     if found is None:
         raise InputError(f"a volume is such as soft or +3dB, not {text!r}")
@@ -173,10 +184,11 @@ def _voice(builder: Builder, given: Given) -> None:
     for name in given:
         if name != "name":
             builder.note(f"voice: {name} is not followed; name a voice of mien (mien doctor lists them)")
-    if "name" not in given:
+    if not given.get("name", "").strip():
         return
     builder.end_segment()
-    builder.voices.append(given["name"].split()[0])
+    names = " ".join(given["name"].split())
+    builder.voices.append(f"{names} ..." if builder.is_ssml else names)
 
     def close() -> None:
         builder.end_segment()
@@ -194,8 +206,13 @@ def _passed_over(builder: Builder, given: Given) -> None:
 
 
 def _as_it_is(builder: Builder, given: Given) -> None:
-    if builder.opened[-1].event.text == "lang":
-        builder.note(f"lang: {given.get('xml:lang', '')!r} is read by the same voice")
+    for name in given:
+        if name not in ("id", "xml:id"):
+            builder.note(f"{builder.opened[-1].event.text}: {name}={given[name]!r} is not followed")
+
+
+def _lookup(builder: Builder, given: Given) -> None:
+    builder.note("lookup: lexicons are not read; its words are spoken as usual")
 
 
 VOCAL_ELEMENTS: dict[str, Callable[[Builder, Given], None]] = {
@@ -204,6 +221,7 @@ VOCAL_ELEMENTS: dict[str, Callable[[Builder, Given], None]] = {
     "w": _as_it_is,
     "token": _as_it_is,
     "lang": _as_it_is,
+    "lookup": _lookup,
     "sub": _sub,
     "say-as": _say_as,
     "phoneme": _phoneme,
