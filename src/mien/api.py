@@ -587,4 +587,8 @@ def _heard(
         from mien.speech.languages.language import ENGLISH
 
         utterance = force_align(audio, said, language=language or ENGLISH)
+    if not song:
+        from mien.speech.song import note_on_singing
+
+        notes = (*notes, *note_on_singing(audio))
     return utterance.with_notes(*notes)

@@ -13,7 +13,7 @@ from tests.programs import voice_or_skip
 import mien
 from mien.audio import Audio
 from mien.errors import InputError
-from mien.speech.song import align_song, song_time, without_band
+from mien.speech.song import align_song, held_notes, note_on_singing, song_time, without_band
 
 RATE = 16_000
 TIME = np.arange(4 * RATE) / RATE
@@ -85,3 +85,28 @@ def test_a_silent_song_rests() -> None:
 def test_a_song_needs_lyrics() -> None:
     with pytest.raises(InputError, match="a song needs its lyrics"):
         mien.animate(Audio.silence(1.0, RATE), song=True)
+
+
+def test_a_song_that_is_taken_for_speech_is_told_and_speech_is_not() -> None:
+    steps = np.repeat([220.0, 262.0, 294.0, 220.0], RATE)
+    song = Audio(0.3 * np.sin(2 * np.pi * np.cumsum(steps) / RATE), RATE)
+    share, count = held_notes(song)
+    assert share > 0.8
+    assert count >= 3
+    (note,) = note_on_singing(song)
+    assert "--song" in note.message
+    glide = 150 + 60 * np.sin(2 * np.pi * 1.5 * TIME)
+    assert note_on_singing(Audio(0.3 * np.sin(2 * np.pi * np.cumsum(glide) / RATE), RATE)) == ()
+
+
+def test_the_tail_of_a_note_belongs_to_its_word() -> None:
+    from mien.speech.song import _sung_through
+    from mien.timeline import Interval, Tier
+
+    sound = 0.3 * np.sin(2 * np.pi * 600 * TIME) * ((TIME > 0.5) & (TIME < 2.0) | (TIME > 3.0))
+    phones = Tier("phones", (
+        Interval(0, 0.5, "SIL"), Interval(0.5, 1.2, "AA"), Interval(1.2, 3.3, "SIL"), Interval(3.3, 4.0, "AA")
+    ))  # fmt: skip
+    moved = _sung_through(phones, sound)
+    assert moved[1.2] == pytest.approx(2.0, abs=0.05)
+    assert moved[3.3] == pytest.approx(3.0, abs=0.05)

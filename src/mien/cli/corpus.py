@@ -48,6 +48,9 @@ def _add_import(parts: Any) -> None:
     )
     command.add_argument("--emotion", help="of takes of which nothing else says it")
     command.add_argument("--speaker", help="of takes of which nothing else says it")
+    command.add_argument(
+        "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: en)"
+    )
     command.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
     command.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to work on instead, tcp://HOST:PORT")
     command.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -66,6 +69,7 @@ def _import(options: argparse.Namespace) -> int:
             name_pattern=options.name_pattern,
             emotion=options.emotion,
             speaker=options.speaker,
+            language=options.language,
             workers=options.workers,
             cluster=options.cluster,
             progress=bar,

@@ -22,6 +22,7 @@ from mien.corpus.transcripts import own_table, read_table
 from mien.corpus.workers import each
 from mien.errors import InputError, MienError, Note, OutputError
 from mien.files import replace_when_complete
+from mien.speech.languages import find_language
 
 __all__ = ["Failure", "ImportReport", "Progress", "import_corpus"]
 
@@ -61,6 +62,7 @@ def import_corpus(
     name_pattern: str | None = None,
     emotion: str | None = None,
     speaker: str | None = None,
+    language: str | None = None,
     workers: int | None = None,
     cluster: str | None = None,
     progress: Progress | None = None,
@@ -82,6 +84,9 @@ def import_corpus(
         Regular expression with named groups out of the same, held against the names.
     emotion, speaker : str, optional
         For takes of which nothing else says it.
+    language : str, optional
+        What is spoken: a tag such as ``"fi"``, or a phone map in a file (``docs/languages.md``); the default is the
+        recipe's, which is English unless it says otherwise. Where a TextGrid gives the phones nothing is aligned.
     workers, cluster
         As in `mien.corpus.workers.each`.
     progress : callable, optional
@@ -101,7 +106,10 @@ def import_corpus(
         If an optional part that the source needs is not installed.
     """
     source, folder = Path(source), Path(folder)
-    chosen = _recipe(source, recipe).with_changes(pattern=name_pattern, emotion=emotion, speaker=speaker)
+    chosen = _recipe(source, recipe).with_changes(
+        pattern=name_pattern, emotion=emotion, speaker=speaker, language=language
+    )
+    find_language(chosen.language)  # one that is not known is told once
     reader = reader_named(chosen.reader)
     found = reader.find(source)
     if not found:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,8 +10,14 @@ from mien.audio import Audio
 from mien.corpus.recipes import Recipe
 from mien.corpus.transcripts import Transcript
 from mien.errors import InputError, Note
-from mien.speech.align import align_words, tiers
-from mien.speech.plausibility import LOWEST_PHONE_SCORE, doubts
+from mien.speech.align import align_words, choices_of, tiers
+from mien.speech.languages import find_language, in_english_phones, native_tier
+from mien.speech.plausibility import (
+    LOWEST_PHONE_SCORE,
+    LOWEST_RUN_SCORE,
+    LOWEST_RUN_SCORE_THROUGH_A_MAP,
+    doubts,
+)
 from mien.speech.pronunciation import Pronunciation, pronunciations
 from mien.speech.text import spoken_words
 from mien.speech.utterance import PAUSE
@@ -29,6 +35,7 @@ class Timed:
     Attributes
     ----------
     words, phones : Tier
+        Phones of other languages as the English ones made most alike.
     confidence : float or None
         Mean acoustic score of the phones, per 5 ms (about -25 where text and sound fit, below -50 where they do
         not; see `mien.speech.plausibility`). None where nothing was aligned.
@@ -54,21 +61,35 @@ def timed(audio: Audio, transcript: Transcript, recipe: Recipe, source: str) -> 
         if end > audio.duration + 0.1:
             raise InputError(f"{source}: its TextGrid ends at {end:.2f} s, its sound at {audio.duration:.2f} s")
         return Timed(transcript.words, without_holes(transcript.phones, audio.duration), None, ())
-    if recipe.language.lower().partition("-")[0] != "en":
-        raise InputError(f"{source}: alignment knows English, not {recipe.language}; give a TextGrid with phones")
     if audio.duration < _SHORTEST_SOUND or audio.is_silent():
         raise InputError(f"{source}: its {audio.duration:.2f} s of sound are silent: is it the right file or channel?")
     try:
-        spoken = spoken_words(transcript.text)
-        words = [word.text for word in spoken.words]
-        phones = align_words(audio, words, [_ways_to_say(word, recipe) for word in words])
+        found = _aligned(audio, transcript.text, recipe)
     except InputError as problem:
         raise InputError(f"{source}: {problem}") from problem
+    return replace(found, notes=tuple(Note(note.kind, f"{source}: {note.message}") for note in found.notes))
+
+
+def _aligned(audio: Audio, text: str, recipe: Recipe) -> Timed:
+    """By the acoustic model of English, for another language through its phone map."""
+    language = find_language(recipe.language)
+    spoken = spoken_words(text) if language is None else language.read(text)
+    words = [word.text for word in spoken.words]
+    if language is None:
+        choices = [_ways_to_say(word, recipe) for word in words]
+    else:
+        choices = [choices_of(word, language) for word in spoken.words]
+    phones = align_words(audio, words, choices)
     word_tier, phone_tier = tiers(phones, words, audio.duration)
     scores = [max(phone.score, LOWEST_PHONE_SCORE) for phone in phones if phone.word >= 0]
-    notes = spoken.notes + doubts(audio, spoken, phones)
-    told = tuple(Note(note.kind, f"{source}: {note.message}") for note in notes)
-    return Timed(word_tier, phone_tier, float(np.mean(scores)), told)
+    lowest = LOWEST_RUN_SCORE if language is None else LOWEST_RUN_SCORE_THROUGH_A_MAP
+    notes = spoken.notes + doubts(audio, spoken, phones, lowest)
+    if language is not None:
+        native = native_tier(phones, [word.phones or () for word in spoken.words], language)
+        phone_tier, _ = in_english_phones(native, language)
+        if recipe.pronunciations:
+            notes += (Note("note", f"pronunciations of the recipe are for English, not {language.name}: left out"),)
+    return Timed(word_tier, phone_tier, float(np.mean(scores)), notes)
 
 
 def _ways_to_say(word: str, recipe: Recipe) -> tuple[Pronunciation, ...]:

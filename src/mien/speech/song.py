@@ -7,12 +7,14 @@ Speech alignment fails on songs for three reasons, and each is met before the al
 * *rests* are not silent: where the voice band stays low the sound is turned down, so that no word is laid there;
 * *held vowels* outweigh all else, since the aligner counts every frame alike: where the spectrum hardly changes time is
   compressed up to four times, and what was found is brought back to the song's own time.
+* *notes die away*, which the aligner takes for pauses: a pause in which the voice goes on is given to its neighbours.
 
 The voice must be about as loud as the band. Figures: ``docs/tables/song.md``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,13 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.audio import Audio
+from mien.errors import Note
 from mien.speech.align import align
 from mien.speech.languages.language import ENGLISH
 from mien.speech.reshaping import stretched
-from mien.speech.utterance import Utterance
+from mien.speech.utterance import PAUSE, Utterance
 from mien.timeline import Interval, Tier
 
-__all__ = ["align_song", "song_time", "without_band"]
+__all__ = ["align_song", "held_notes", "note_on_singing", "song_time", "without_band"]
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +45,14 @@ _SPREAD = 0.06  # seconds over which change is measured
 _MOST = 4.0  # times that held sound is compressed
 _LIVELY = 60.0  # percentile of change that is left at its pace
 _LOUD = 25.0  # decibels under the loudest in which held sound is looked for
+_LISTENED = 60.0  # seconds in which notes are looked for
+_NOTE = 0.4  # seconds that a note is held at least
+_SMOOTHED = 9  # frames of pitch, 144 ms: vibrato
+_SUNG = 0.1  # of the voice in notes, and at least so many of them, make a song
+_NOTES = 3
+_SINGS = 20.0  # decibels under the loud parts in which a voice goes on
+_DIP = 6  # frames of less than that which do not end a note
+_LEFT = 0.02  # seconds that are left of a pause that is sung through
 _BANDS, _LOWEST, _HIGHEST = 24, 150.0, 6500.0
 
 
@@ -79,20 +90,89 @@ def align_song(audio: Audio, lyrics: str, *, language: str | Path = ENGLISH) -> 
             align(Audio.silence(audio.duration, audio.rate), lyrics, language=language), audio=audio, sung=True
         )
 
-    def back(tier: Tier) -> Tier:
-        last = tier.intervals[-1].end if len(tier) else 0.0
-        ends = [audio.duration if i.end >= last else float(np.interp(i.end, new, old)) for i in tier]
-        starts = [float(np.interp(i.start, new, old)) for i in tier]
-        within = [(min(a, audio.duration), min(b, audio.duration)) for a, b in zip(starts, ends, strict=True)]
-        return Tier(tier.name, tuple(Interval(a, b, i.label) for (a, b), i in zip(within, tier, strict=True)))
+    last = found.phones.intervals[-1].end
 
-    words = Tier("words", tuple(
-        Interval(min(float(np.interp(w.start, new, old)), audio.duration),
-                 min(float(np.interp(w.end, new, old)), audio.duration), w.label) for w in found.words
-    ))  # fmt: skip
+    def song_instant(instant: float) -> float:
+        return audio.duration if instant >= last else min(float(np.interp(instant, new, old)), audio.duration)
+
+    moved = _sung_through(_moved(found.phones, song_instant), voice)
+
+    def back(tier: Tier) -> Tier:
+        return _moved(_moved(tier, song_instant), lambda instant: moved.get(instant, instant))
+
     notes = tuple(note for note in found.notes if "seem" not in note.message)  # limits that hold for speech
     native = None if found.native is None else back(found.native)
-    return replace(found, audio=audio, words=words, phones=back(found.phones), native=native, notes=notes, sung=True)
+    words, phones = back(found.words), back(found.phones)
+    return replace(found, audio=audio, words=words, phones=phones, native=native, notes=notes, sung=True)
+
+
+def _moved(tier: Tier, place: Callable[[float], float]) -> Tier:
+    return Tier(tier.name, tuple(Interval(place(i.start), place(i.end), i.label) for i in tier))
+
+
+def _sung_through(phones: Tier, voice: Floats) -> dict[float, float]:
+    """New places of the edges of pauses in which the voice goes on, as in the tail of a note."""
+    bands, times = _bands(voice)
+    level = 10 * np.log10(np.convolve(bands[2:20].sum(axis=0), np.ones(5) / 5, mode="same") + 1e-12)
+    sings, moved = level > np.percentile(level, 90) - _SINGS, dict[float, float]()
+    for number, pause in enumerate(phones):
+        if pause.label != PAUSE or pause.end - pause.start < 3 * _LEFT:
+            continue
+        inside = sings[(times >= pause.start) & (times <= pause.end)]
+        after = _STEP * _run(inside) if number else 0.0
+        before = _STEP * _run(inside[::-1]) if number < len(phones) - 1 else 0.0
+        end = min(pause.start + after, pause.end - _LEFT)
+        moved[pause.start], moved[pause.end] = end, max(pause.end - before, end + _LEFT)
+    return moved
+
+
+def _run(sings: NDArray[np.bool_]) -> int:
+    """For how many frames it goes on from the first."""
+    length = 0
+    for number, here in enumerate(sings.tolist(), start=1):
+        if here:
+            length = number
+        elif number - length > _DIP:
+            break
+    return length
+
+
+def held_notes(audio: Audio) -> tuple[float, int]:
+    """Which part of what is voiced lies in notes, and how many there are.
+
+    A note is pitch within a semitone for 0.4 s or more, vibrato smoothed out; only the first minute is listened to.
+
+    Examples
+    --------
+    >>> note = Audio(0.2 * np.sin(2 * np.pi * 220 * np.arange(32000) / 16000), 16000)
+    >>> share, count = held_notes(note)
+    >>> share > 0.9, count
+    (True, 1)
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    from mien.speech.pitch import pitch_contour
+
+    contour = pitch_contour(Audio(audio.samples[: round(_LISTENED * audio.rate)], audio.rate))
+    voiced, size = contour.voiced, round(_NOTE / 0.016)
+    pitch = np.where(voiced, contour.semitones(), 0.0)
+    weight = uniform_filter1d(voiced.astype(np.float64), _SMOOTHED)
+    smooth = uniform_filter1d(pitch, _SMOOTHED) / np.maximum(weight, 1e-9)
+    held = np.zeros(len(pitch), dtype=bool)
+    for first in range(len(pitch) - size + 1):
+        here = slice(first, first + size)
+        if voiced[here].all() and np.ptp(smooth[here]) < 1.0:
+            held[here] = True
+    starts = int(np.count_nonzero(np.diff(held.astype(int), prepend=0) == 1))
+    return float(held.sum() / max(voiced.sum(), 1)), starts
+
+
+def note_on_singing(audio: Audio) -> tuple[Note, ...]:
+    """A note if a sound that is taken for speech seems to be sung; nothing is switched."""
+    share, count = held_notes(audio)
+    if share < _SUNG or count < _NOTES:
+        return ()
+    return (Note("note", f"{share:.0%} of the voice is held on notes: if it is sung, give its lyrics with --song"),)
 
 
 def without_band(audio: Audio) -> Floats:
