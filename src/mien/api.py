@@ -468,6 +468,7 @@ def prepared(
     seed: int = 0,
     prosody: float | str = DEFAULT_STRENGTH,
     speech_model: str | None = None,
+    alive: str = "all",
 ) -> tuple[Performer, Score, FrameRate]:
     """What `say` makes of the options that concern the performance: performer, direction for the whole, frame rate.
 
@@ -476,7 +477,7 @@ def prepared(
     InputError
         If an option is not understood.
     """
-    return _prepared(performer, speech_model, emotion, fps, seed, prosody)
+    return _prepared(performer, speech_model, emotion, fps, seed, prosody, alive)
 
 
 def _prepared(

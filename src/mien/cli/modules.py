@@ -50,6 +50,7 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     perform.add_argument(
         "--emotion", metavar="NAME[:0..1]", action="append", help="for every utterance as a whole (repeatable)"
     )
+    perform.add_argument("--alive", default="all", help="signs of life, as for mien say (default all)")
     perform.add_argument("--edits", metavar="X.json", help="edits by hand, laid on every utterance (docs/edits.md)")
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
     _add_streams(perform, lambda options: _perform(options, checked_face))
@@ -170,10 +171,9 @@ def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     from mien.modules.handlers import Perform
 
     library = _library(options)
-    prosody = {} if options.prosody is None else {"prosody": options.prosody}
-    performer, score, rate = api.prepared(
-        options.performer, options.emotion, options.fps, options.seed, speech_model=options.speech_model, **prosody
-    )
+    given = {"speech_model": options.speech_model, "alive": options.alive}
+    given |= {} if options.prosody is None else {"prosody": options.prosody}
+    performer, score, rate = api.prepared(options.performer, options.emotion, options.fps, options.seed, **given)
     if options.output is not None and options.connect is not None:
         raise InputError("--output and --connect both say where the frames go: give one of them")
     for name in ("face", "deformer", "names"):
