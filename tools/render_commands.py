@@ -1,11 +1,13 @@
 """Draws every command of the library at its fullest moment: docs/pictures/commands.jpg, and writes docs/commands.md.
 
 usage: python tools/render_commands.py
+       python tools/render_commands.py FOLDER    only sheets of all commands in motion, front and side
 """
 
 from __future__ import annotations
 
 import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -59,18 +61,23 @@ def sheet() -> None:
     (DOCS / "pictures" / "commands.jpg").write_bytes(buffer.getvalue())
 
 
-def strips(names: list[str], path: Path, frames: int = 8) -> None:
-    """The commands in motion, one row each."""
+def strips(folder: Path, frames: int = 8, rows: int = 5) -> None:
+    """All commands in motion, from the front and from the side, in sheets of a few each: for looking at."""
     face = load_face("default")
-    poser, width, height = Poser(face, channels.ALL), 200, 225
-    renderer = Renderer(face, width, height, Camera.head_shot(face, width / height))
-    images, labels = [], []
-    for name in names:
-        values = motion(name)
-        for frame in np.linspace(6, len(values) - 1, frames).round().astype(int):
-            images.append(renderer.render(poser.pose(values[frame])))
-            labels.append(f"{name[:10]} {frame / 30:.2f}")
-    Image.fromarray(contact_sheet(images, labels, frames)).save(path)
+    poser, width, height = Poser(face, channels.ALL), 150, 170
+    camera = Camera.head_shot(face, width / height)
+    views = [Renderer(face, width, height, view) for view in (camera, camera.turned(75))]
+    names = shipped_library().names
+    folder.mkdir(parents=True, exist_ok=True)
+    for first in range(0, len(names), rows):
+        images, labels = [], []
+        for name in names[first : first + rows]:
+            values = motion(name)
+            shown = np.linspace(8, len(values) - 1, frames).round().astype(int)
+            for view in views:
+                images += [view.render(poser.pose(values[frame])) for frame in shown]
+                labels += [f"{name[:12]} {frame / 30:.2f}" for frame in shown]
+        Image.fromarray(contact_sheet(images, labels, frames)).save(folder / f"commands-{first:02d}.png")
 
 
 def _described(definition: CommandDefinition) -> str:
@@ -97,5 +104,8 @@ def page() -> None:
 
 
 if __name__ == "__main__":
-    sheet()
-    page()
+    if len(sys.argv) > 1:
+        strips(Path(sys.argv[1]))
+    else:
+        sheet()
+        page()
