@@ -135,10 +135,21 @@ def _recording() -> list[Finding]:
     except MissingPartError:
         found = [Finding("face tracker", "optional", "no corpus from video without it; mien tracker install")]
     if find_spec("distributed") is None:
-        found.append(Finding("dask", "optional", "no import on a cluster without it; pip install 'mien[dask]'"))
+        found.append(Finding("dask", "optional", "no work on a cluster without it; pip install 'mien[dask]'"))
     else:
-        found.append(Finding("dask", "ok", f"{version('distributed')}: mien corpus import --cluster"))
+        found.append(Finding("dask", "ok", f"{version('distributed')}: --cluster of corpus import, stimuli and batch"))
+    found.append(_microphone())
     return found
+
+
+def _microphone() -> Finding:
+    try:
+        import sounddevice
+    except ImportError:
+        return Finding("microphone", "optional", "mien live takes files and pipes only; pip install 'mien[live]'")
+    except OSError as problem:  # the package is there, PortAudio is not
+        return Finding("microphone", "optional", f"{problem}; install PortAudio (Debian: libportaudio2)")
+    return Finding("microphone", "ok", f"sounddevice {sounddevice.__version__}: mien live")
 
 
 def _pictures() -> list[Finding]:

@@ -37,6 +37,8 @@ export class LinePanel {
       make('div', { class: 'pair' }, field('Seed', 'seed', this.seed), field('Frames per second', 'fps', this.fps)));
     const soundField = make('div', { class: 'field', 'data-field': 'sound' }, drop, make('p', { class: 'fault', id: 'fault-sound', role: 'alert', hidden: true }));
     this.file.id = 'field-sound';
+    // A browser cannot point at a faulty number in a section that is shut, and would do nothing at all.
+    more.addEventListener('invalid', () => { more.open = true; }, true);
     this.element.append(
       field('Text', 'text', this.text), soundField,
       field('Emotion', 'emotion', this.emotion), make('div', { class: 'strength' }, this.strength, this.strengthText),
