@@ -77,7 +77,7 @@ def test_articulation_is_refused_before_work_where_markers_have_no_place(
     write_obj(tmp_path / "a.obj", BOX, SIDES)
     command = ["face", "articulation", str(tmp_path), "-o", str(tmp_path / "x.tree")]
     assert main([*command, "--face", str(tmp_path / "a.obj")]) == 2
-    assert "no part 'skin' for markers to sit on" in capsys.readouterr().err
+    assert "no part 'skin' and no morph targets: markers have nothing to sit on" in capsys.readouterr().err
     assert main(command) == 2
     assert "expected a corpus" in capsys.readouterr().err
     assert not (tmp_path / "x.tree").exists()

@@ -223,8 +223,8 @@ def test_files_that_are_no_performer_are_refused(learned, tmp_path):
     with pytest.raises(InputError, match="no performer, or damaged"):
         load_learned(tmp_path / "text.mien")
     with zipfile.ZipFile(tmp_path / "newer.mien", "w") as archive:
-        archive.writestr("performer.json", '{"format": "mien-performer", "version": 3}')
-    with pytest.raises(InputError, match="expected mien-performer 2, found mien-performer 3"):
+        archive.writestr("performer.json", '{"format": "mien-performer", "version": 4}')
+    with pytest.raises(InputError, match="expected mien-performer 3, found mien-performer 4"):
         load_learned(tmp_path / "newer.mien")
     save_learned(learned, tmp_path / "cut.mien")
     (tmp_path / "cut.mien").write_bytes((tmp_path / "cut.mien").read_bytes()[:5000])

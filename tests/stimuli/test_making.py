@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -244,7 +246,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bits(tmp_path: Path) -> No
 
         def lose_one(done: int, _: int) -> None:
             if done == 1:
-                next(iter(cluster.workers.values())).process.process.kill()
+                os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
 
         address = cluster.scheduler_address
         report = make_stimuli(rows, tmp_path / "there", cluster=address, progress=lose_one)

@@ -124,8 +124,8 @@ class EmotionMapping:
     >>> random = np.random.default_rng(0)
     >>> said = [np.cumsum(random.normal(size=(60, 4, 3)), axis=0) for _ in range(3)]
     >>> learned = EmotionMapping().fit([(motion, motion + [0.0, 5.0, 0.0]) for motion in said])
-    >>> (learned.apply(said[0]) - said[0]).mean(axis=(0, 1)).round(1).tolist()
-    [0.0, 5.0, 0.0]
+    >>> (learned.apply(said[0]) - said[0]).mean(axis=(0, 1)).round().astype(int).tolist()
+    [0, 5, 0]
     """
 
     def __init__(self, component_map: ComponentMap | None = None, share: float = _SHARE, seed: int = 0) -> None:
