@@ -51,6 +51,8 @@ class Page:
         await self._socket.send(json.dumps({"id": number, "method": "Runtime.evaluate", "params": asked}))
         while (answer := json.loads(await self._socket.recv())).get("id") != number:
             pass
+        if "error" in answer:  # the page was being replaced while it was asked
+            return None
         if "exceptionDetails" in answer["result"]:
             raise RuntimeError(f"the page said {answer['result']['exceptionDetails']}")
         return answer["result"]["result"].get("value")
