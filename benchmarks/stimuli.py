@@ -1,6 +1,6 @@
 """What a stimulus costs, and how a design of thousands of rows grows. Writes docs/tables/stimuli.md.
 
-    python benchmarks/stimuli.py           about six minutes on two cores
+    python benchmarks/stimuli.py           two minutes with --rows 8, about six without
     python benchmarks/stimuli.py --rows 10 --print-only
 
 Made rows are real (the default voice and performer, 640 x 480). Designs of thousands are not made: finished stimuli of
