@@ -94,10 +94,10 @@ def test_off_and_unknown_signs() -> None:
 
 
 def test_the_option_reaches_the_performer() -> None:
-    from mien import api
+    from mien.options import prepared
 
-    idle = api._prepared("authored", None, None, 30, 0, 0.5, "gaze")[0].idle
+    idle = prepared("authored", None, 30, 0, 0.5, None, "gaze")[0].idle
     assert isinstance(idle, AuthoredIdle)
     assert (idle.blinks_per_minute, idle.gaze, idle.sway, idle.head) == (0.0, True, False, False)
     with pytest.raises(InputError, match="unknown sign of life"):
-        api._prepared("authored", None, None, 30, 0, 0.5, "winks")
+        prepared("authored", None, 30, 0, 0.5, None, "winks")

@@ -7,6 +7,7 @@ import pytest
 from mien import api
 from mien.modules.handlers import Interpret, Perform, Speak, Translate
 from mien.modules.messages import Message
+from mien.options import prepared
 from mien.output.native import write_native
 from mien.script.commands import shipped_library
 from tests.modules.speaking import toy_voice
@@ -33,7 +34,7 @@ def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, said: str, emotion:
         api.say(said, emotion=emotion, performer="authored", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
     )
     library = shipped_library()
-    performer, score, rate = api.prepared("authored", emotion, seed=3)
+    performer, score, rate = prepared("authored", emotion, seed=3)
     perform = Perform(
         library, performer, rate, 3, score, lambda made, *_: write_native(made, tmp_path / "pipe.json") and None
     )

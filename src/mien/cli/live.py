@@ -108,8 +108,8 @@ def _source(options: argparse.Namespace) -> SoundSource:
 
 
 def _animator(options: argparse.Namespace) -> LiveAnimator:
-    from mien.api import prepared
     from mien.live.animator import LiveAnimator, LiveSettings
+    from mien.options import prepared
 
     performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed)
     return LiveAnimator(performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed))

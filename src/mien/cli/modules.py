@@ -165,15 +165,15 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
 
 
 def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
-    from mien import api
     from mien.edits import EMPTY, read_layer
     from mien.errors import InputError
     from mien.modules.handlers import Perform
+    from mien.options import prepared
 
     library = _library(options)
     given = {"speech_model": options.speech_model, "alive": options.alive}
     given |= {} if options.prosody is None else {"prosody": options.prosody}
-    performer, score, rate = api.prepared(options.performer, options.emotion, options.fps, options.seed, **given)
+    performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed, **given)
     if options.output is not None and options.connect is not None:
         raise InputError("--output and --connect both say where the frames go: give one of them")
     for name in ("face", "deformer", "names"):

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from mien import api
 from mien.animation import Animation
 from mien.audio import Audio
 from mien.edits import EMPTY, EditLayer, line_of
@@ -24,12 +23,14 @@ from mien.edits.emotions import asked_emotions
 from mien.errors import InputError, Note
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
+from mien.inputs import spoken_recording, spoken_text
 from mien.models.authored_prosody import AuthoredProsody
 from mien.models.performer import Performer
 from mien.models.performers import load_performer
 from mien.modules.edit import with_edited_channels
 from mien.modules.perform import directed
 from mien.modules.spoken import Spoken
+from mien.options import prepared, score_with_voice
 from mien.studio.faces import DEFAULT_FACE, FaceShelf
 from mien.studio.jobs import Job, JobPool
 from mien.studio.keeping import Kept
@@ -121,7 +122,7 @@ class Workshop:
         performer = self._performer(request)
         emotions = [one for one in request.emotion if one != "auto"]
         try:
-            _, score, rate = api.prepared(performer, emotions, request.fps, request.seed, request.prosody)
+            _, score, rate = prepared(performer, emotions, request.fps, request.seed, request.prosody)
         except InputError as problem:  # all else has been checked
             raise FieldError("emotion", str(problem)) from problem
         performer = replace(performer, prosody=AuthoredProsody(request.prosody))
@@ -132,7 +133,7 @@ class Workshop:
             raise FieldError("text", f"the line makes {told}")
         if "auto" in request.emotion and source is not None:
             job.at("emotion", 0.5)
-            score, note = api.score_with_voice(score, source.sound)
+            score, note = score_with_voice(score, source.sound)
             performer.expression.check(score)
             spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
         job.at("motion", 0.6)
@@ -188,8 +189,8 @@ class Workshop:
         text = checked_script(request.text, request.language, self.limits) if request.text.strip() else None
         if source is None:
             assert text is not None  # `TakeRequest` has seen to it
-            return api.spoken_text(text, performer, voice=request.voice, language=request.language, seed=request.seed)
-        return api.spoken_recording(
+            return spoken_text(text, performer, voice=request.voice, language=request.language, seed=request.seed)
+        return spoken_recording(
             source.sound,
             performer,
             text=text,
