@@ -19,7 +19,7 @@ from mien.errors import InputError, OutputError
 from mien.live.frames import END, Greeting, encode_frame
 from mien.live.hub import Hub, Listener
 
-__all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "is_loopback", "websocket_stream"]
+__all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "check_address", "is_loopback", "websocket_stream"]
 
 MOST_CLIENTS = 64
 """Clients at once; one more is turned away."""
@@ -56,14 +56,7 @@ class Access:
     origins: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not 0 <= self.port <= 65535:
-            raise InputError(f"a port runs from 0 to 65535, not {self.port}")
-        if self.token is not None and len(self.token) < 8:
-            raise InputError("a token has at least 8 characters")
-        if self.token is None and not is_loopback(self.host):
-            raise InputError(
-                f"{self.host} can be reached by other machines: give --token, which every client must know"
-            )
+        check_address(self.host, self.port, self.token)
 
     def refusal(self, request: Request) -> tuple[http.HTTPStatus, str] | None:
         """Why a request is turned away, or None."""
@@ -74,6 +67,21 @@ class Access:
         if origin is not None and origin not in self.origins and not is_loopback(urlsplit(origin).hostname or ""):
             return http.HTTPStatus.FORBIDDEN, f"pages of {origin[:100]} may not listen\n"
         return None
+
+
+def check_address(host: str, port: int, token: str | None) -> None:
+    """Refuse an address that others can reach without a token, and ports and tokens that are none.
+
+    Raises
+    ------
+    InputError
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"a port runs from 0 to 65535, not {port}")
+    if token is not None and len(token) < 8:
+        raise InputError("a token has at least 8 characters")
+    if token is None and not is_loopback(host):
+        raise InputError(f"{host} can be reached by other machines: give --token, which every client must know")
 
 
 def is_loopback(host: str) -> bool:

@@ -6,8 +6,7 @@ import secrets
 from dataclasses import dataclass, field
 from urllib.parse import urlencode
 
-from mien.errors import InputError
-from mien.live.sockets import is_loopback
+from mien.live.sockets import check_address
 
 __all__ = ["Limits", "StudioSettings"]
 
@@ -106,14 +105,7 @@ class StudioSettings:
     session: str = field(default_factory=lambda: secrets.token_urlsafe(24))
 
     def __post_init__(self) -> None:
-        if not 0 <= self.port <= 65535:
-            raise InputError(f"a port runs from 0 to 65535, not {self.port}")
-        if self.token is not None and len(self.token) < 8:
-            raise InputError("a token has at least 8 characters")
-        if self.token is None and not is_loopback(self.host):
-            raise InputError(
-                f"{self.host} can be reached by other machines: give --token, which every client must know"
-            )
+        check_address(self.host, self.port, self.token)
 
     def address(self, port: int) -> str:
         """Where a browser finds the page, with the token if there is one.

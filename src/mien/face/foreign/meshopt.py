@@ -161,91 +161,104 @@ def _sequence(source, result):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _triangles(source, count, result):  # type: ignore[no-untyped-def]
-    code, at, end = 1, 1 + count // 3, len(source) - 16
+    """Fill ``result`` with the corners of the triangles; False if the stream ends early."""
+    # Where the next code and the next loose byte lie; how many edges and vertices were remembered; the next vertex that
+    # nothing named before, and the last one that was written out. A ring of 16 holds the remembered ones.
+    at = np.array([1, 1 + count // 3])
+    seen = np.zeros(2, dtype=np.int64)
+    known = np.zeros(2, dtype=np.int64)
     edges = np.zeros((16, 2), dtype=np.int64)
     vertices = np.zeros(16, dtype=np.int64)
-    edge = vertex = 0
-    following = last = np.int64(0)
     for t in range(0, count, 3):
-        token = int(source[code])
-        code += 1
+        token = int(source[at[0]])
+        at[0] += 1
         if token < 0xF0:
-            a, b = edges[(edge - 1 - (token >> 4)) & 15]
-            low = token & 15
-            fresh = True
-            if low == 0:
-                c = following
-                following += 1
-            elif low < 13:
-                c = vertices[(vertex - 1 - low) & 15]
-                fresh = False
-            elif low < 15:
-                c = last + (low - (low ^ 3))
-                last = c
-            else:
-                value, at = _varint(source, at, end)
-                if at < 0:
-                    return False
-                c = _step(value, last)
-                last = c
-            if fresh:
-                vertices[vertex & 15] = c
-                vertex += 1
-            edges[edge & 15] = c, b
-            edges[(edge + 1) & 15] = a, c
-            edge += 2
+            whole = _beside_an_edge(source, token, at, seen, known, edges, vertices, result, t)
         else:
-            if token < 0xFE:
-                pair, a_kind = int(source[end + (token & 15)]), 0
-            else:
-                if at >= end:
-                    return False
-                pair, a_kind = int(source[at]), 0 if token == 0xFE else 15
-                at += 1
-                if pair == 0:
-                    following = np.int64(0)
-            b_kind, c_kind = pair >> 4, pair & 15
-            a = b = c = np.int64(0)
-            if a_kind == 0:
-                a = following
-                following += 1
-            if b_kind == 0:
-                b = following
-                following += 1
-            elif b_kind < 15 or token < 0xFE:
-                b = vertices[(vertex - b_kind) & 15]
-            if c_kind == 0:
-                c = following
-                following += 1
-            elif c_kind < 15 or token < 0xFE:
-                c = vertices[(vertex - c_kind) & 15]
-            if token >= 0xFE:
-                if a_kind == 15:
-                    value, at = _varint(source, at, end)
-                    if at < 0:
-                        return False
-                    a = last = _step(value, last)
-                if b_kind == 15:
-                    value, at = _varint(source, at, end)
-                    if at < 0:
-                        return False
-                    b = last = _step(value, last)
-                if c_kind == 15:
-                    value, at = _varint(source, at, end)
-                    if at < 0:
-                        return False
-                    c = last = _step(value, last)
-            vertices[vertex & 15] = a
-            vertex += 1
-            if b_kind == 0 or (b_kind == 15 and token >= 0xFE):
-                vertices[vertex & 15] = b
-                vertex += 1
-            if c_kind == 0 or (c_kind == 15 and token >= 0xFE):
-                vertices[vertex & 15] = c
-                vertex += 1
-            edges[edge & 15] = b, a
-            edges[(edge + 1) & 15] = c, b
-            edges[(edge + 2) & 15] = a, c
-            edge += 3
-        result[t], result[t + 1], result[t + 2] = a, b, c
+            whole = _apart(source, token, at, seen, known, edges, vertices, result, t)
+        if not whole:
+            return False
     return True
+
+
+@njit(cache=True)
+def _beside_an_edge(source, token, at, seen, known, edges, vertices, result, t):  # type: ignore[no-untyped-def]
+    """A triangle on a remembered edge: its third corner is new, remembered, or written out."""
+    a, b = edges[(seen[0] - 1 - (token >> 4)) & 15]
+    low = token & 15
+    if low == 0:
+        c = _following(known)
+    elif low < 13:
+        c = vertices[(seen[1] - 1 - low) & 15]
+    elif low < 15:
+        c = known[1] = known[1] + (low - (low ^ 3))
+    else:
+        c = _written_out(source, at, known)
+        if c < 0:
+            return False
+    if low == 0 or low >= 13:
+        _remember(vertices, seen, c)
+    edges[seen[0] & 15] = c, b
+    edges[(seen[0] + 1) & 15] = a, c
+    seen[0] += 2
+    result[t], result[t + 1], result[t + 2] = a, b, c
+    return True
+
+
+@njit(cache=True)
+def _apart(source, token, at, seen, known, edges, vertices, result, t):  # type: ignore[no-untyped-def]
+    """A triangle on no remembered edge: a pair of kinds, from the table at the end or in a byte, tells its corners."""
+    end = len(source) - 16
+    free = token >= 0xFE  # then a kind of 15 is a vertex written out
+    if free:
+        if at[1] >= end:
+            return False
+        pair = np.int64(source[at[1]])
+        at[1] += 1
+        if pair == 0:
+            known[0] = 0
+    else:
+        pair = np.int64(source[end + (token & 15)])
+    kinds = np.array([np.int64(15 if token == 0xFF else 0), pair >> 4, pair & 15])
+    corners = np.zeros(3, dtype=np.int64)
+    for k in range(3):
+        if kinds[k] == 0:
+            corners[k] = _following(known)
+        elif kinds[k] < 15 or not free:
+            corners[k] = vertices[(seen[1] - kinds[k]) & 15]
+    for k in range(3):
+        if free and kinds[k] == 15:
+            corners[k] = _written_out(source, at, known)
+            if corners[k] < 0:
+                return False
+    for k in range(3):
+        if k == 0 or kinds[k] == 0 or (free and kinds[k] == 15):
+            _remember(vertices, seen, corners[k])
+    for k in range(3):
+        edges[(seen[0] + k) & 15] = corners[(k + 1) % 3], corners[k]
+        result[t + k] = corners[k]
+    seen[0] += 3
+    return True
+
+
+@njit(cache=True)
+def _following(known):  # type: ignore[no-untyped-def]
+    known[0] += 1
+    return known[0] - 1
+
+
+@njit(cache=True)
+def _written_out(source, at, known):  # type: ignore[no-untyped-def]
+    """A vertex by its difference from the last one written out; -1 if the stream ends early."""
+    value, after = _varint(source, at[1], len(source) - 16)
+    if after < 0:
+        return np.int64(-1)
+    at[1] = after
+    known[1] = _step(value, known[1])
+    return known[1]
+
+
+@njit(cache=True)
+def _remember(vertices, seen, vertex):  # type: ignore[no-untyped-def]
+    vertices[seen[1] & 15] = vertex
+    seen[1] += 1
