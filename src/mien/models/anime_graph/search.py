@@ -35,8 +35,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.models.anime_graph.candidates import Candidates, GraphIndex, candidates_for
+from mien.models.anime_graph.cheapest_way import cheapest_way
 from mien.models.anime_graph.costs import PathCost, SearchWeights, path_cost
-from mien.models.anime_graph.kernels import backward_bounds, beam, cheapest_way, join_bounds, within
+from mien.models.anime_graph.jump_kernels import join_bounds
+from mien.models.anime_graph.kernels import backward_bounds, beam, within
 from mien.models.anime_graph.query import SpokenPhones
 from mien.models.anime_graph.standing_in import Substitution, substitutions_in
 from mien.speech.utterance import PAUSE
