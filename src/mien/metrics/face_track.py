@@ -231,9 +231,7 @@ def _between(values: Array, times: Array, wanted: Array) -> Array:
         return np.where((wanted == times[0]).reshape(-1, *[1] * (values.ndim - 1)), values, np.nan)
     before = np.clip(np.searchsorted(times, wanted + _SAME_INSTANT, side="right") - 1, 0, len(times) - 2)
     share = ((wanted - times[before]) / (times[before + 1] - times[before])).reshape(-1, *[1] * (values.ndim - 1))
-    share = np.where(np.abs(share) < _SAME_INSTANT, 0.0, np.where(np.abs(share - 1) < _SAME_INSTANT, 1.0, share))
-    mixed = np.where(share == 0, values[before], np.where(share == 1, values[before + 1], 0.0))
-    inner = (share > 0) & (share < 1)
-    blended = values[before] * (1 - share) + values[before + 1] * share
-    result = np.where(inner, blended, mixed)
-    return np.where((share < 0) | (share > 1), np.nan, result)
+    share = np.where(np.abs(share - np.round(share)) < _SAME_INSTANT, np.round(share), share)
+    low, high = values[before], values[before + 1]
+    mixed = np.where(share == 0, low, np.where(share == 1, high, low * (1 - share) + high * share))
+    return np.asarray(np.where((share < 0) | (share > 1), np.nan, mixed))
