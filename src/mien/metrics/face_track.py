@@ -222,7 +222,7 @@ def _angles(head: Array) -> Array:
     yaw = np.arctan2(turns[:, 0, 2], turns[:, 2, 2])
     nod = np.arcsin(np.clip(-turns[:, 1, 2], -1.0, 1.0))
     tip = np.arctan2(turns[:, 1, 0], turns[:, 1, 1])
-    return np.degrees(np.stack([yaw, -nod, -tip], axis=1))
+    return np.asarray(np.degrees(np.stack([yaw, -nod, -tip], axis=1)), dtype=np.float64)
 
 
 def _between(values: Array, times: Array, wanted: Array) -> Array:
