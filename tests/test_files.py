@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -66,3 +68,49 @@ def test_a_link_stays_and_what_it_points_to_is_replaced(tmp_path: Path) -> None:
         unfinished.write_text("new")
     assert (tmp_path / "link.csv").is_symlink()
     assert (tmp_path / "real.csv").read_text() == "new"
+
+
+def test_names_as_long_as_the_file_system_takes(tmp_path: Path) -> None:
+    for name in ("a" * 251 + ".csv", "é" * 125 + ".csv", "x" * 255, "." + "b" * 254, "👄" * 60 + " 'quoted\" .json"):
+        with replace_when_complete(tmp_path / name) as unfinished:
+            unfinished.write_text("done")
+        assert (tmp_path / name).read_text() == "done"
+
+
+def test_what_a_killed_program_left_is_taken_over(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    script = "import os, sys; from mien.files import replace_when_complete\n"
+    script += "with replace_when_complete(sys.argv[1]) as unfinished:\n"
+    script += "    unfinished.write_text('half'); os.kill(os.getpid(), 9)"
+    subprocess.run([sys.executable, "-c", script, str(path)], check=False)
+    assert len(list(tmp_path.iterdir())) == 1
+    with replace_when_complete(path) as unfinished:
+        assert unfinished.read_text() == ""
+        unfinished.write_text("whole")
+    assert [(left, left.read_text()) for left in tmp_path.iterdir()] == [(path, "whole")]
+
+
+def test_two_writers_of_one_file_do_not_meet(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    with replace_when_complete(path) as one, replace_when_complete(path) as two:
+        assert one != two
+        one.write_text("one")
+        two.write_text("two")
+    assert path.read_text() == "one"  # the last to be complete
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_in_the_place_of_a_temporary_is_not_followed(tmp_path: Path) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
+    with replace_when_complete(tmp_path / "a.csv") as unfinished:
+        name = unfinished
+    name.symlink_to(precious)
+    with replace_when_complete(tmp_path / "a.csv") as unfinished:
+        unfinished.write_text("new")
+    assert precious.read_text() == "mine"
+    name.unlink()
+    os.link(precious, name)
+    with replace_when_complete(tmp_path / "a.csv") as unfinished:
+        unfinished.write_text("newer")
+    assert precious.read_text() == "mine"

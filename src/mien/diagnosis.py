@@ -71,7 +71,13 @@ def _core() -> list[Finding]:
         ("soxr", "no sound can be resampled"),
     ):
         found.append(_package(package, cost))
-    return found
+    return [*found, _kernels()]
+
+
+def _kernels() -> Finding:
+    from mien.compiled import cache_note
+
+    return Finding("kernels", "ok", cache_note())
 
 
 def _package(name: str, cost: str) -> Finding:

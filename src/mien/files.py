@@ -1,8 +1,15 @@
-"""Writing files so that a reader never meets half of one."""
+"""Writing files so that a reader never meets half of one, and nobody loses one that was there.
+
+What is written goes into a temporary file beside its target, to the disk, and only then takes the target's name. The
+temporary is locked while it is written: one that nobody holds was left by a program that was killed, and the next that
+writes the same file takes it over.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import hashlib
 import os
 import tempfile
 from collections.abc import Iterator
@@ -12,6 +19,11 @@ from pathlib import Path
 from mien.errors import OutputError
 
 __all__ = ["check_writable", "replace_when_complete"]
+
+_LONGEST_SUFFIX = 32
+"""Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
+_MOST_WRITERS = 16
+"""Programs that write the same file at once and find a temporary of a known name."""
 
 
 def check_writable(path: str | Path) -> Path:
@@ -62,21 +74,68 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
     path = check_writable(path)
     if path.is_symlink():  # what the link points to is replaced, not the link
         path = check_writable(path.resolve())
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-        os.close(handle)
-    except OSError as problem:
-        raise OutputError(f"cannot write {path}: {problem.strerror}") from problem
-    unfinished = Path(name)
+    unfinished, handle = _temporary(path)
     try:
         yield unfinished
         umask = os.umask(0)
         os.umask(umask)
         unfinished.chmod(0o666 & ~umask)
+        _to_disk(unfinished)
         unfinished.replace(path)
+        _to_disk(path.parent)
     except OSError as problem:
         if problem.errno == errno.ENOSPC:
             raise OutputError(f"cannot write {path}: the disk is full; free some space and run again") from problem
         raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
     finally:
         unfinished.unlink(missing_ok=True)
+        os.close(handle)
+
+
+def _temporary(path: Path) -> tuple[Path, int]:
+    """A locked empty file beside ``path``, and its descriptor, which holds the lock.
+
+    Its name follows from that of ``path``, so that what a killed program left is found and taken over.
+    """
+    mark = hashlib.sha256(path.name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
+    suffix = path.suffix if len(path.suffix) <= _LONGEST_SUFFIX else ""
+    try:
+        for number in range(_MOST_WRITERS):
+            name = path.parent / f".mien-{mark}-{number}{suffix}"
+            handle = _taken(name)
+            if handle is not None:
+                return name, handle
+        handle, other = tempfile.mkstemp(prefix=f".mien-{mark}-", suffix=suffix, dir=path.parent)
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror}") from problem
+    return Path(other), handle
+
+
+def _taken(name: Path) -> int | None:
+    """Make or take over a temporary and lock it; None if it is somebody else's, or there are no locks here."""
+    try:
+        import fcntl
+
+        handle = os.open(name, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except (ImportError, PermissionError):
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        mine, there = os.fstat(handle), name.stat()
+        if (mine.st_dev, mine.st_ino) == (there.st_dev, there.st_ino) and mine.st_nlink == 1:
+            os.ftruncate(handle, 0)
+            return handle
+    except OSError:  # held, renamed or removed meanwhile, or a file system without locks
+        pass
+    os.close(handle)
+    return None
+
+
+def _to_disk(path: Path) -> None:
+    """Have a file's content, or a folder's names, on the disk; file systems that cannot are left in peace."""
+    with contextlib.suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

@@ -48,9 +48,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = options.run(options)
         sys.stdout.flush()
+        _tell_of_lost_kernels(getattr(options, "quiet", False))
         return code
     except MienError as problem:
         print(f"mien: error: {_one_line(problem)}", file=sys.stderr)
+        return 2
+    except MemoryError:
+        print("mien: error: not enough memory for this; give less at once, or more memory", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("mien: stopped; nothing half-written was left", file=sys.stderr)
@@ -64,6 +68,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - what is left in it cannot be written either
         print(f"mien: error: cannot write to standard output: {problem.strerror}", file=sys.stderr)
         return 2
+
+
+def _tell_of_lost_kernels(quiet: bool) -> None:
+    compiled = sys.modules.get("mien.compiled")
+    if compiled is not None and not compiled.KEPT and not quiet:
+        print(f"mien: note: {compiled.cache_note()}; set NUMBA_CACHE_DIR to a folder of yours", file=sys.stderr)
 
 
 def _one_line(problem: BaseException) -> str:

@@ -36,11 +36,14 @@ _requests = _Requests()
 
 
 def stop_cleanly() -> None:
-    """Take requests to end from now on."""
+    """Take requests to end from now on, but for those that were ignored when the program began.
+
+    ``nohup`` and shells that start jobs in the background have them ignored so that the work outlives the terminal.
+    """
     _requests.made = False
     if threading.current_thread() is threading.main_thread():
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            if hasattr(signal, name):
+            if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
                 signal.signal(getattr(signal, name), _requests)
 
 

@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from mien.channels import ALL
+from mien.compiled import njit
 from mien.errors import InputError, unknown_name
 from mien.face.face import Eye, Face, Part, Target
 

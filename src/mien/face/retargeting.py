@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from mien.compiled import njit
 from mien.errors import InputError
 from mien.face.face import Face
 
@@ -137,7 +137,8 @@ def _solve(basis: Floats, asked: Floats, ridge: float, steady: float) -> Floats:
     gram = basis @ basis.T + ridge * np.eye(len(basis))
     goal = asked @ basis.T
     step = 1.0 / (np.linalg.eigvalsh(gram)[-1] + 4 * steady)
-    return _descended(gram, goal, float(steady), float(step))
+    solved: Floats = _descended(gram, goal, float(steady), float(step))
+    return solved
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from mien.channels import ALL
+from mien.compiled import njit
 from mien.errors import InputError, unknown_name
 from mien.face.face import Face, Part
 from mien.face.facs import au_channels, is_unit

@@ -12,9 +12,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
-from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+
+from mien.compiled import njit
 
 __all__ = ["Closest", "Surface", "edges_of", "vertex_normals"]
 

@@ -11,8 +11,9 @@ Every kernel writes each number from one thread only, so results do not depend o
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
 from numpy.typing import NDArray
+
+from mien.compiled import njit, prange
 
 __all__ = [
     "KEY_CELLS",

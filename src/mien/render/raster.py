@@ -17,8 +17,8 @@ the height of the mirrored way.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
 
+from mien.compiled import njit, prange
 from mien.render.colour import KNEE, SRGB_STEPS
 
 __all__ = [

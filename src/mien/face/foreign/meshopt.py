@@ -7,8 +7,9 @@ attributes' codec version 0 is known; the filters for normals and rotations are 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from mien.compiled import njit
 
 __all__ = ["decoded"]
 

@@ -14,8 +14,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from mien.compiled import njit
 
 __all__ = ["audio_distance", "distances_to", "hear_all", "warping_path"]
 

@@ -6,8 +6,8 @@ States as in `kernels`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from mien.compiled import njit
 from mien.models.anime_graph.jump_kernels import LANES, blocks_of, reach, room_for_blocks, widest_step
 from mien.models.anime_graph.kernels import FAST, along_the_recording, apart, find
 

@@ -6,8 +6,8 @@ States as in `kernels`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from mien.compiled import njit
 from mien.models.anime_graph.kernels import FAST, along_the_recording
 
 __all__ = ["LANES", "blocks_of", "join_bounds", "reach", "room_for_blocks", "widest_step"]

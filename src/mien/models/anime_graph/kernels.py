@@ -8,7 +8,8 @@ one before it, and what going on to it along the recording costs. ``jump`` and `
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from mien.compiled import njit
 
 __all__ = ["FAST", "along_the_recording", "apart", "backward_bounds", "beam", "find", "within"]
 
