@@ -117,8 +117,12 @@ def _taken(name: Path) -> int | None:
         import fcntl
 
         handle = os.open(name, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-    except (ImportError, PermissionError):
+    except ImportError:
         return None
+    except OSError as problem:
+        if problem.errno in (errno.ELOOP, errno.EACCES, errno.EPERM, errno.EISDIR):  # another's, or a trap
+            return None
+        raise
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         mine, there = os.fstat(handle), name.stat()
