@@ -1,0 +1,179 @@
+"""The recorded person: their neutral face, a head of our space shaped after it, and what each channel does on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.knowledge import knowledge, source_named
+from mien.capture.openings import Seen, openings_of
+from mien.corpus.cleaning.normalise import best_similarity
+from mien.corpus.layouts import Layout, load_layout
+from mien.errors import InputError
+from mien.face.face import Face
+from mien.face.library import load_face
+from mien.face.marker_sites import place_markers
+from mien.face.retargeting import basis_at
+from mien.tracks import MarkerTrack
+
+__all__ = ["Person", "fit_person", "neutral_markers"]
+
+Floats = NDArray[np.float64]
+
+_IRIS = 468  # landmarks from here on sit on eyeballs
+_FEWEST = 12
+_SEEN = 0.5  # share of frames in which a marker has to be there
+_GAUSS = 1.4826 / np.sqrt(6.0)  # from the median of second differences to a standard deviation
+
+
+@dataclass(frozen=True, eq=False)
+class Person:
+    """Whom a recording shows.
+
+    Attributes
+    ----------
+    layout : str
+    source : str
+        ``tracker`` or ``optical``.
+    markers : tuple of str
+        Those that are used.
+    neutral : ndarray, shape (markers, 3)
+        At rest, as recorded, mm.
+    turn : ndarray, shape (3, 3)
+        From the recording's axes and size to the face's.
+    head : ndarray, shape (components,)
+        In the space of heads, standard deviations.
+    channels : tuple of str
+        Those that are sought.
+    basis : ndarray, shape (channels, markers, 3)
+        What each does at 1 on this head, mm.
+    region : ndarray of int, shape (markers,)
+        Of `mien.capture.knowledge.Knowledge.regions`; -1: not heard.
+    noise : ndarray, shape (markers, 3)
+        Standard deviation from frame to frame, measured, mm.
+    openings : tuple of Seen
+    """
+
+    layout: str
+    source: str
+    markers: tuple[str, ...]
+    neutral: Floats
+    turn: Floats
+    head: Floats
+    channels: tuple[str, ...]
+    basis: Floats
+    region: NDArray[np.int64]
+    noise: Floats
+    openings: tuple[Seen, ...]
+
+
+def fit_person(
+    tracks: Sequence[MarkerTrack],
+    layout: Layout | str,
+    source: str = "tracker",
+    neutral: Floats | None = None,
+    face: Face | None = None,
+) -> Person:
+    """Learn whom recordings show.
+
+    Parameters
+    ----------
+    tracks : sequence of MarkerTrack
+        Of one person, normalised: mm, x to the speaker's left, y up, z forward, the head's motion taken out.
+    layout : Layout or str
+        Whose markers these are.
+    source : {"tracker", "optical"}
+        Whether depth was guessed from pictures or measured.
+    neutral : ndarray, shape (markers, 3), optional
+        The markers at rest; found in the recordings if not given.
+    face : Face, optional
+        The head itself where it is known; else it is shaped after the markers at rest.
+
+    Raises
+    ------
+    InputError
+        If the tracks are of different markers, or too few of them are usable.
+    """
+    source_named(source)
+    layout = load_layout(layout) if isinstance(layout, str) else layout
+    if not tracks:
+        raise InputError("capture: expected at least one recording of the person, got none")
+    names = tracks[0].names
+    if any(track.names != names for track in tracks):
+        raise InputError("capture: recordings of one person need the same markers in the same order")
+    frames = np.concatenate([track.positions for track in tracks])
+    rest = neutral_markers(frames, names, layout) if neutral is None else np.asarray(neutral, dtype=np.float64)
+    if rest.shape != (len(names), 3):
+        raise InputError(f"capture: expected a neutral face of {len(names)} markers x 3, got {rest.shape}")
+    region = knowledge().regions_at(layout.places[layout.index(names)])
+    iris = {name for number, name in layout.landmarks.items() if number >= _IRIS}
+    there = np.isfinite(frames).all(axis=2).mean(axis=0) >= _SEEN
+    usable = [i for i, name in enumerate(names) if name not in iris and there[i] and np.isfinite(rest[i]).all()]
+    heard = sum(region[i] >= 0 for i in usable)
+    if heard < _FEWEST:
+        raise InputError(
+            f"capture: {heard} of {len(names)} markers lie on lips, lids, brows, nose, cheeks or chin and are seen in "
+            f"half of the frames; {_FEWEST} or more are needed"
+        )
+    chosen = tuple(names[i] for i in usable)
+    face = face or load_face("default")
+    placed = place_markers(face, layout, chosen)
+    turn = best_similarity(rest[usable], placed.places, np.ones(len(usable)), scale=True)[:3, :3]
+    sought = [name for name in knowledge().channels[source] if any(name in part.targets for part in face.parts)]
+    basis = basis_at(face, placed.sites, sought)
+    moving = np.abs(basis).max(axis=(1, 2)) > 0.05
+    sought, basis = [n for n, moves in zip(sought, moving, strict=True) if moves], basis[moving]
+    seen = openings_of(layout.landmarks, chosen, rest[usable] @ turn.T, frames[:, usable] @ turn.T)
+    return Person(
+        layout=layout.name,
+        source=source,
+        markers=chosen,
+        neutral=rest[usable],
+        turn=turn,
+        head=np.zeros(0),
+        channels=tuple(sought),
+        basis=basis,
+        region=region[usable],
+        noise=_noise([track.positions[:, usable] @ turn.T for track in tracks]),
+        openings=seen,
+    )
+
+
+def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Floats:
+    """The person at rest: the median of frames that have shut lips, open lids and little motion, shape (markers, 3).
+
+    Raises
+    ------
+    InputError
+        If no frame shows the lips.
+    """
+    groups, place = layout.motion_groups(), {name: number for number, name in enumerate(names)}
+    if groups.upper_lip not in place or groups.lower_lip not in place:
+        raise InputError(
+            f"capture: no markers {groups.upper_lip} and {groups.lower_lip}: a lip above and one below are needed"
+        )
+    upper, lower = place[groups.upper_lip], place[groups.lower_lip]
+    opening = np.linalg.norm(frames[:, upper] - frames[:, lower], axis=1)
+    seen = np.isfinite(opening)
+    if not seen.any():
+        raise InputError("capture: no frame shows both lips: no neutral face can be found")
+    step = np.full(len(frames), np.inf)
+    step[1:] = np.nanmean(np.linalg.norm(np.diff(frames, axis=0), axis=2), axis=1)
+    shut = seen & (opening <= max(np.quantile(opening[seen], 0.15), opening[seen].min() + 0.2))
+    still = shut & (step <= np.nanmedian(step[shut]))
+    chosen = frames[still if still.any() else shut]
+    middle = np.nanmedian(chosen, axis=0)
+    away = np.nanmean(np.linalg.norm(chosen - middle, axis=2), axis=1)
+    near = chosen[away <= np.nanquantile(away, 0.5)]
+    return np.asarray(np.nanmedian(near, axis=0))
+
+
+def _noise(tracks: Sequence[Floats]) -> Floats:
+    """Standard deviation of each coordinate: by the median second difference, which motion hardly changes."""
+    bends = [np.abs(np.diff(track, 2, axis=0)) for track in tracks if len(track) > 2]
+    if not bends:
+        return np.zeros(tracks[0].shape[1:])
+    return np.asarray(_GAUSS * np.nan_to_num(np.nanmedian(np.concatenate(bends), axis=0)))
