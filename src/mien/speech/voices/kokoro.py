@@ -11,6 +11,7 @@ from functools import cache
 from importlib.resources import files
 from importlib.util import find_spec
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from mien.speech.voices.joining import Piece, join_pieces
 from mien.speech.voices.letters import letter_table, letters_of, times_of
-from mien.speech.voices.onnx import RUNTIME_PACKAGE, have_runtime, open_network, read_model, with_output
+from mien.speech.voices.onnx import RUNTIME_PACKAGE, have_runtime, open_parts
 from mien.speech.voices.sentences import Sentence, shorter_than
 from mien.speech.voices.voice import Availability, Speech, Voice
 
@@ -98,5 +99,4 @@ def _styles() -> dict[str, NDArray[np.float16]]:
 
 @cache
 def _network() -> onnxruntime.InferenceSession:
-    model = read_model([files(part) / "part.bin" for part in _PARTS], "kokoro")
-    return open_network(with_output(model, _DURATIONS), "kokoro")
+    return open_parts([Path(str(files(part))) / "part.bin" for part in _PARTS], "kokoro", _DURATIONS)

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib.resources.abc import Traversable
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mien.errors import MissingPartError
 from mien.speech.onnx_runtime import forbid_telemetry
+from mien.speech.voices.onnx_outline import outline
 
 if TYPE_CHECKING:
     import onnxruntime
 
-__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "read_model", "with_output"]
+__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "open_parts", "read_model", "with_output"]
 
 RUNTIME_PACKAGE = "onnxruntime"
 _THREADS = 2
@@ -60,8 +62,37 @@ def read_model(parts: Sequence[Traversable], whose: str) -> bytes:
         raise MissingPartError(f"the network of the voice {whose} is not there ({problem}): reinstall it") from problem
 
 
-def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
+def open_parts(parts: Sequence[Path], whose: str, output: str) -> onnxruntime.InferenceSession:
+    """Open a model that may be cut into several files, with one output more, leaving its weights on the disk.
+
+    The graph is taken as it is: one that was optimised when it was exported gains nothing from being optimised again,
+    and that takes longer than reading it.
+
+    Raises
+    ------
+    MissingPartError
+        As `read_model` and `open_network`.
+    """
+    try:
+        model, folder = outline(parts)
+    except OSError as problem:
+        raise MissingPartError(f"the network of the voice {whose} is not there ({problem}): reinstall it") from problem
+    except ValueError as problem:
+        raise MissingPartError(f"the network of the voice {whose} does not open ({problem}): reinstall it") from problem
+    return open_network(with_output(model, output), whose, folder)
+
+
+def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxruntime.InferenceSession:
     """Open a model for running on two threads.
+
+    Parameters
+    ----------
+    model : bytes
+    whose : str
+        Name of the voice, for messages.
+    weights : Path or None
+        The folder from which the model names the files of its weights (`mien.speech.voices.onnx_outline`); such a
+        model is run as it is, others are optimised first.
 
     Raises
     ------
@@ -77,6 +108,9 @@ def open_network(model: bytes, whose: str) -> onnxruntime.InferenceSession:
     options.log_severity_level = _ERRORS_ONLY
     # Idle threads sleep: spinning ones take the processor from the rest of the work on a small machine.
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    if weights is not None:
+        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL
+        options.add_session_config_entry("session.model_external_initializers_file_folder_path", str(weights))
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
     except _kinds_of_failure() as problem:

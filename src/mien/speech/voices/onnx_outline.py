@@ -1,0 +1,148 @@
+"""An ONNX file without its weights: they stay on the disk, and the runtime maps them from there.
+
+An ONNX file is a protocol buffer: ``ModelProto.graph`` (field 7) holds the nodes and, as ``GraphProto.initializer``
+(field 5), the weights. Here the file is walked field by field; weights are passed over, and in the outline each is
+named by file, place and length (``TensorProto.external_data``, field 13, with ``data_location``, field 14, ``EXTERNAL``;
+https://onnx.ai/onnx/repo-docs/ExternalData.html). Of a network of 90 MB nine tenths are then never copied.
+"""
+
+from __future__ import annotations
+
+import os
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import accumulate
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+
+__all__ = ["outline"]
+
+_GRAPH, _INITIALIZER = 7, 5
+_RAW_DATA, _EXTERNAL_DATA, _DATA_LOCATION = 9, 13, 14
+_KEY, _VALUE = 1, 2
+_EXTERNAL = 1
+_LENGTH_DELIMITED = 2
+_SMALLEST = 4096
+"""Bytes from which a weight is left where it is."""
+
+
+class _Parts:
+    """The bytes of a file that is cut into several, read where they are asked for."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self.paths = paths
+        self.maps = [_mapped(path) for path in paths]
+        self.starts = [0, *accumulate(len(part) for part in self.maps)]
+
+    def bytes(self, start: int, stop: int) -> bytes:
+        number = bisect_right(self.starts, start) - 1
+        found = b""
+        while start < stop and number < len(self.maps):
+            first, last = self.starts[number], min(stop, self.starts[number + 1])
+            found += self.maps[number][start - first : last - first]
+            start, number = last, number + 1
+        return found
+
+    def within_one(self, start: int, stop: int) -> tuple[Path, int] | None:
+        """The file in which a whole stretch lies, and its place there; None if it is cut."""
+        number = bisect_right(self.starts, start) - 1
+        if stop > self.starts[number + 1]:
+            return None
+        return self.paths[number], start - self.starts[number]
+
+    def varint(self, place: int) -> tuple[int, int]:
+        """A number and the place behind it."""
+        value = shift = 0
+        for byte in self.bytes(place, place + 10):
+            place += 1
+            value |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                return value, place
+        raise ValueError("a number has no end")
+
+    def fields(self, start: int, stop: int) -> Iterator[tuple[int, int, int, int]]:
+        """Fields of a message: number, where it starts, where its content starts, where it ends."""
+        while start < stop:
+            key, content = self.varint(start)
+            kind = key & 7
+            if kind == 0:
+                end = self.varint(content)[1]
+            elif kind == _LENGTH_DELIMITED:
+                length, content = self.varint(content)
+                end = content + length
+            elif kind in (1, 5):
+                end = content + (8 if kind == 1 else 4)
+            else:
+                raise ValueError(f"no kind of field: {kind}")
+            if end > stop:
+                raise ValueError("a field is longer than the message that holds it")
+            yield key >> 3, start, content, end
+            start = end
+
+
+def _mapped(path: Path) -> mmap:
+    with path.open("rb") as file:
+        return mmap(file.fileno(), 0, access=ACCESS_READ)
+
+
+def outline(paths: Sequence[Path]) -> tuple[bytes, Path]:
+    """An ONNX model whose large weights are named by their place, and the folder from which they are named.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The file, or the files into which it is cut, in order.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    ValueError
+        If it is no protocol buffer, or the files share no folder.
+    """
+    parts = _Parts(paths)
+    folder = Path(os.path.commonpath([path.parent for path in paths]))
+    model = []
+    for number, start, content, end in parts.fields(0, parts.starts[-1]):
+        if number == _GRAPH:
+            graph = b"".join(
+                _outlined(parts, inner_content, inner_end, folder)
+                if inner == _INITIALIZER
+                else parts.bytes(inner_start, inner_end)
+                for inner, inner_start, inner_content, inner_end in parts.fields(content, end)
+            )
+            model.append(_field(_GRAPH, graph))
+        else:
+            model.append(parts.bytes(start, end))
+    return b"".join(model), folder
+
+
+def _outlined(parts: _Parts, start: int, end: int, folder: Path) -> bytes:
+    """The field of one weight, without its numbers if they are many and lie in one file."""
+    if end - start < _SMALLEST:
+        return _field(_INITIALIZER, parts.bytes(start, end))
+    kept = []
+    for number, field, content, stop in parts.fields(start, end):
+        found = parts.within_one(content, stop) if number == _RAW_DATA else None
+        if found is None:
+            kept.append(parts.bytes(field, stop))
+            continue
+        path, place = found
+        facts = {"location": path.relative_to(folder).as_posix(), "offset": str(place), "length": str(stop - content)}
+        for key, value in facts.items():
+            kept.append(_field(_EXTERNAL_DATA, _field(_KEY, key.encode()) + _field(_VALUE, value.encode())))
+        kept.append(_varint(_DATA_LOCATION << 3) + _varint(_EXTERNAL))
+    return _field(_INITIALIZER, b"".join(kept))
+
+
+def _field(number: int, content: bytes) -> bytes:
+    return _varint(number << 3 | _LENGTH_DELIMITED) + _varint(len(content)) + content
+
+
+def _varint(value: int) -> bytes:
+    found = bytearray()
+    while value > 0x7F:
+        found.append(value & 0x7F | 0x80)
+        value >>= 7
+    return bytes([*found, value])
