@@ -10,7 +10,7 @@ import pytest
 from mien.errors import MissingPartError
 from mien.speech.text import spoken_words
 from mien.speech.voices import catalogue
-from mien.speech.voices.onnx import open_network, read_model
+from mien.speech.voices.onnx import open_network, open_parts, read_model
 from mien.speech.voices.programs import run_program
 
 
@@ -25,6 +25,15 @@ def test_a_missing_part(tmp_path: Path) -> None:
     assert read_model([tmp_path / "1", tmp_path / "1"], "test") == b"oneone"
     with pytest.raises(MissingPartError, match="the network of the voice test is not there"):
         read_model([tmp_path / "1", tmp_path / "2"], "test")
+
+
+@pytest.mark.parametrize("content", [b"", b"junk", b":\x06b\x04\n\x02/a"])
+def test_parts_that_are_missing_or_damaged(tmp_path: Path, content: bytes) -> None:
+    with pytest.raises(MissingPartError, match=r"the network of the voice test is not there.*reinstall"):
+        open_parts([tmp_path / "1"], "test", "/a")
+    (tmp_path / "1").write_bytes(content)
+    with pytest.raises(MissingPartError, match=r"the network of the voice test does not open.*reinstall"):
+        open_parts([tmp_path / "1"], "test", "/a")
 
 
 def test_what_a_program_prints_comes_back() -> None:

@@ -2,7 +2,7 @@
 
 An ONNX file is a protocol buffer: ``ModelProto.graph`` (field 7) holds the nodes and, as ``GraphProto.initializer``
 (field 5), the weights. Here the file is walked field by field; weights are passed over, and in the outline each is
-named by file, place and length (``TensorProto.external_data``, field 13, with ``data_location``, field 14, ``EXTERNAL``;
+named by file, place and length (``TensorProto.external_data``, field 13, with ``data_location``, field 14;
 https://onnx.ai/onnx/repo-docs/ExternalData.html). Of a network of 90 MB nine tenths are then never copied.
 """
 
