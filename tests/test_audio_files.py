@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import av
@@ -125,3 +126,102 @@ def test_float_sound_above_full_scale_is_turned_down_with_a_note(tmp_path: Path)
     audio, notes = read_audio(tmp_path / "a.wav")
     assert "1.20 of full scale" in notes[0].message
     assert np.abs(audio.samples - tone()[:, 0] * 3 / 1.2).max() < 1e-3
+
+
+def test_gsm_in_wav_is_read(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", tone(rate=8000), 8000, subtype="GSM610")
+    audio, _ = read_audio(tmp_path / "a.wav")
+    assert audio.duration == pytest.approx(1.0, abs=0.05)
+    assert np.sqrt((audio.samples.astype(float) ** 2).mean()) == pytest.approx(0.4 / np.sqrt(2), rel=0.1)
+
+
+@pytest.mark.parametrize("subtype", ["ULAW", "ALAW", "IMA_ADPCM", "MS_ADPCM", "G721_32"])
+def test_other_codecs_in_wav_are_read(tmp_path: Path, subtype: str) -> None:
+    rate = 8000
+    soundfile.write(tmp_path / "a.wav", tone(rate=rate), rate, subtype=subtype)
+    audio, _ = read_audio(tmp_path / "a.wav")
+    assert audio.duration == pytest.approx(1.0, abs=0.1)
+    assert np.sqrt((audio.samples.astype(float) ** 2).mean()) == pytest.approx(0.4 / np.sqrt(2), rel=0.1)
+
+
+def test_channels_that_cancel_are_not_averaged(tmp_path: Path) -> None:
+    sound = tone(channels=2)
+    sound[:, 1] *= -0.9
+    soundfile.write(tmp_path / "a.wav", sound, 16000)
+    audio, notes = read_audio(tmp_path / "a.wav")
+    assert [note.kind for note in notes] == ["warning"]
+    assert "cancel" in notes[0].message
+    assert np.abs(audio.samples - tone()[:, 0]).max() < 1e-3
+
+
+def test_unrelated_channels_are_averaged(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).uniform(-0.5, 0.5, (16000, 4))
+    soundfile.write(tmp_path / "a.wav", noise, 16000)
+    audio, notes = read_audio(tmp_path / "a.wav")
+    assert "average" in notes[0].message
+    assert np.abs(audio.samples - noise.mean(axis=1)).max() < 1e-3
+
+
+def test_a_constant_offset_is_taken_out(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", tone() + 0.3, 16000)
+    audio, notes = read_audio(tmp_path / "a.wav")
+    assert "offset of +0.30" in notes[0].message
+    assert np.abs(audio.samples - tone()[:, 0]).max() < 1e-3
+
+
+def test_clipping_is_noted(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", np.clip(4 * tone(), -1, 1), 16000)
+    _, notes = read_audio(tmp_path / "a.wav")
+    assert [note.kind for note in notes] == ["warning"]
+    assert "clipped" in notes[0].message
+
+
+def riff(*chunks: tuple[bytes, bytes, int]) -> bytes:
+    """A WAV file of chunks: name, content, and by how much its length is misstated; without padding bytes."""
+    body = b"".join(name + struct.pack("<I", len(content) + wrong) + content for name, content, wrong in chunks)
+    return b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WAVE" + body
+
+
+FORMAT = (b"fmt ", struct.pack("<HHIIHH", 1, 1, 16000, 32000, 2, 16), 0)
+
+
+@pytest.mark.parametrize("wrong", [-32000, 0, 8, 300])
+def test_wav_headers_that_are_a_little_wrong(tmp_path: Path, wrong: int) -> None:
+    samples = (tone()[:, 0] * 32767).astype("<i2").tobytes()
+    (tmp_path / "a.wav").write_bytes(riff(FORMAT, (b"LIST", b"abc", 0), (b"data", samples, wrong)))
+    audio, notes = read_audio(tmp_path / "a.wav")
+    assert audio.duration == pytest.approx(1.0, abs=0.01)
+    assert ("bytes more" in "".join(note.message for note in notes)) == (wrong > 0)
+
+
+def test_a_list_of_other_files_is_not_followed(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "secret.wav", tone(), 16000)
+    lists = {
+        "a.ffconcat": "ffconcat version 1.0\nfile secret.wav\n",
+        "a.wav": "ffconcat version 1.0\nfile secret.wav\n",
+        "a.m3u8": "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nsecret.wav\n#EXT-X-ENDLIST\n",
+        "a.sdp": "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\nm=audio 5004 RTP/AVP 0\n",
+    }
+    for name, content in lists.items():
+        (tmp_path / name).write_text(content)
+        with pytest.raises(InputError):
+            read_audio(tmp_path / name)
+
+
+def test_hours_and_channels_have_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    soundfile.write(tmp_path / "a.flac", tone(4.0), 16000)
+    monkeypatch.setenv("MIEN_MOST_HOURS", "0.001")
+    with pytest.raises(InputError, match="MIEN_MOST_HOURS"):
+        read_audio(tmp_path / "a.flac")
+    soundfile.write(tmp_path / "a.wav", np.zeros((1600, 65)), 16000)
+    with pytest.raises(InputError, match="MIEN_MOST_CHANNELS"):
+        read_audio(tmp_path / "a.wav")
+
+
+def test_long_sound_is_read_in_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mien.audio_files._BLOCK", 1000)
+    monkeypatch.setattr("mien.audio_files._LONG", 0.5)
+    soundfile.write(tmp_path / "a.wav", tone(), 16000)
+    audio, _ = read_audio(tmp_path / "a.wav")
+    assert len(audio) == 16000
+    assert np.abs(audio.samples - tone()[:, 0]).max() < 1e-3

@@ -93,7 +93,7 @@ def test_prepared_files_that_cannot_be_told_apart_or_used(tmp_path: Path) -> Non
     assert "sentence 2 is in" in reasons[1]
     speech().write(folder / "1.wav")
     (folder / "1.mp4").write_bytes((folder / "1.mp4").read_bytes()[:200])
-    assert "1.mp4: the pictures cannot be read" in prepared(folder, tmp_path / "out").failed[0][1]
+    assert "1.mp4: expected a video" in prepared(folder, tmp_path / "out").failed[0][1]
 
 
 def test_a_folder_without_recordings(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ writes the samples (float32) and prints JSON: ``{"rate": ..., "notes": [...]}`` 
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 
 from mien.audio_files import read_audio
 from mien.errors import InputError
+from mien.media import open_media
 
 __all__ = ["main"]
 
@@ -49,19 +51,12 @@ def _seconds(path: Path, most: float) -> float:
 
 def _decoded_seconds(path: Path, most: float) -> float:
     """Decode and forget, since what a container promises may be wrong."""
-    import av
-
     passed = 0.0
-    try:
-        with av.open(str(path)) as container:
-            if not container.streams.audio:
-                return 0.0
-            for frame in container.decode(container.streams.audio[0]):
-                passed += frame.samples / max(1, frame.sample_rate)
-                if passed > most:
-                    break
-    except (av.FFmpegError, ValueError, OSError):
-        return passed
+    with contextlib.suppress(InputError), open_media(path) as container:  # `read_audio` says what is wrong with it
+        for frame in container.decode(container.streams.audio[0]) if container.streams.audio else ():
+            passed += frame.samples / max(1, frame.sample_rate)
+            if passed > most:
+                break
     return passed
 
 

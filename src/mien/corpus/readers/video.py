@@ -17,6 +17,7 @@ from mien.corpus.readers.raw import Found, Raw, Reader
 from mien.corpus.recipes import Recipe
 from mien.corpus.tracker import TrackerError, shared_tracker, tracker_python
 from mien.errors import InputError, Note
+from mien.media import open_media
 from mien.timeline import FrameRate
 from mien.tracks import MarkerTrack
 
@@ -24,6 +25,8 @@ __all__ = ["READER", "read_video", "steady_frames"]
 
 ENLARGED_BELOW = 960
 """Pictures whose longer side has fewer pixels are enlarged twice: the tracker's grid is coarse."""
+_LONGEST_GAP = 600.0
+"""Seconds between two pictures; more is a damaged time stamp, and would be hours of the same picture."""
 MOST_LOST = 0.5
 """Share of frames without a face above which a video is refused."""
 
@@ -92,26 +95,19 @@ def steady_frames(path: Path, fps: float = 0.0) -> tuple[FrameRate, float, Itera
     InputError
         If the file is no video; later, while iterating, if it is damaged: the message names the time.
     """
-    import av
-
-    try:
-        with av.open(str(path)) as container:
-            if not container.streams.video:
-                raise InputError(f"{path}: expected a video, got a file without pictures")
-            stream = container.streams.video[0]
-            mean = stream.average_rate or stream.guessed_rate
-            if not (fps or mean):
-                raise InputError(f"{path}: its frame rate is not known; give fps in a recipe")
-            rate = FrameRate.of(fps or Fraction(mean or 0).limit_denominator(1001))
-            scale = 2.0 if max(stream.width, stream.height) < ENLARGED_BELOW else 1.0
-            sound = container.streams.audio[0] if container.streams.audio else None
-            start = None
-            if sound is not None and sound.start_time is not None and sound.time_base is not None:
-                start = float(sound.start_time * sound.time_base)
-    except av.FFmpegError as problem:
-        raise InputError(
-            f"{path}: expected a video, got something that no decoder knows ({problem.strerror})"
-        ) from problem
+    with open_media(path, "a video") as container:
+        if not container.streams.video:
+            raise InputError(f"{path}: expected a video, got a file without pictures")
+        stream = container.streams.video[0]
+        mean = stream.average_rate or stream.guessed_rate
+        if not (fps or mean):
+            raise InputError(f"{path}: its frame rate is not known; give fps in a recipe")
+        rate = FrameRate.of(fps or Fraction(mean or 0).limit_denominator(1001))
+        scale = 2.0 if max(stream.width, stream.height) < ENLARGED_BELOW else 1.0
+        sound = container.streams.audio[0] if container.streams.audio else None
+        start = None
+        if sound is not None and sound.start_time is not None and sound.time_base is not None:
+            start = float(sound.start_time * sound.time_base)
     return rate, scale, _pictures(path, rate, scale, start)
 
 
@@ -120,6 +116,10 @@ def _pictures(path: Path, rate: FrameRate, scale: float, start: float | None) ->
     tick, held, held_time = 0, None, 0.0
     for time, frame in _recorded(path, rate):
         start = time if start is None else start
+        if abs(time - (start if held is None else held_time)) > _LONGEST_GAP:
+            raise InputError(
+                f"{path}: the pictures jump from {held_time - start:.2f} s to {time - start:.2f} s: is it damaged?"
+            )
         if held is not None:
             while rate.time_of(tick) < (held_time + time) / 2 - start:
                 yield _rgb(held, scale)
@@ -134,16 +134,16 @@ def _recorded(path: Path, rate: FrameRate) -> Iterator[tuple[float, Any]]:
     import av
 
     time = 0.0
-    try:
-        with av.open(str(path)) as container:
-            stream = container.streams.video[0]
+    with open_media(path, "a video") as container:
+        stream = container.streams.video[0]
+        try:
             for number, frame in enumerate(container.decode(stream)):
                 time = frame.time if frame.time is not None else rate.time_of(number)
                 yield time, frame
-    except av.FFmpegError as problem:
-        raise InputError(
-            f"{path}: the pictures break off after {time:.2f} s: the file is damaged or cut short"
-        ) from problem
+        except av.FFmpegError as problem:
+            raise InputError(
+                f"{path}: the pictures break off after {time:.2f} s: the file is damaged or cut short"
+            ) from problem
 
 
 def _rgb(frame: Any, scale: float) -> NDArray[np.uint8]:

@@ -13,6 +13,7 @@ from mien.corpus.readers.files import SOUND, VIDEO
 from mien.corpus.recording.folder import writing
 from mien.corpus.recording.scripts import Line
 from mien.errors import InputError
+from mien.media import open_media
 
 __all__ = ["MOTION", "PreparedFolder", "Source", "sound_of"]
 
@@ -107,11 +108,11 @@ class PreparedFolder:
 def _check_pictures(path: Path) -> None:
     import av
 
-    try:
-        with av.open(str(path)) as container:
-            if not container.streams.video:
-                raise InputError(f"{path}: expected a video, got a file without pictures")
+    with open_media(path, "a video") as container:
+        if not container.streams.video:
+            raise InputError(f"{path}: expected a video, got a file without pictures")
+        try:
             if next(container.decode(container.streams.video[0]), None) is None:
                 raise InputError(f"{path}: holds no picture")
-    except av.FFmpegError as problem:
-        raise InputError(f"{path}: the pictures cannot be read ({problem.strerror}): is it cut short?") from problem
+        except av.FFmpegError as problem:
+            raise InputError(f"{path}: the pictures cannot be read ({problem.strerror}): is it cut short?") from problem
