@@ -33,13 +33,13 @@ import hand_labels
 import numpy as np
 from hand_labels import Labelled
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.timeline import Interval
+from mien.core.utterance import PAUSE
 from mien.speech.align import AlignedPhone, align_words, tiers
-from mien.speech.plausibility import misfits
-from mien.speech.pronunciation import pronunciations
 from mien.speech.recognise import Recogniser, recognise
-from mien.speech.utterance import PAUSE
-from mien.timeline import Interval
+from mien.speech.transcript_doubts import misfits
+from mien.text.pronunciation import pronunciations
 
 ROOT = Path(__file__).parent.parent
 OUT = ROOT / "docs" / "tables" / "alignment.md"

@@ -22,16 +22,16 @@ from scipy.signal import savgol_filter
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.corpus.cleaning.grid import LIPS, MOUTH, Grid  # noqa: E402
+from tests.capture.cleaning.grid import LIPS, MOUTH, Grid  # noqa: E402
 
-from mien.corpus.cleaning.gaps import GapSettings, fill_gaps  # noqa: E402
-from mien.corpus.cleaning.jitter import JitterSettings, jitter, low_passed, smooth_group  # noqa: E402
-from mien.corpus.cleaning.lag import Lag, lag_from_sound  # noqa: E402
-from mien.corpus.cleaning.resample import resample  # noqa: E402
-from mien.corpus.cleaning.spikes import remove_spikes  # noqa: E402
-from mien.corpus.cleaning.swaps import mend_swaps  # noqa: E402
-from mien.timeline import FrameRate  # noqa: E402
-from mien.tracks import MarkerTrack  # noqa: E402
+from mien.capture.cleaning.gaps import GapSettings, fill_gaps  # noqa: E402
+from mien.capture.cleaning.lag import Lag, lag_from_sound  # noqa: E402
+from mien.capture.cleaning.resample import resample  # noqa: E402
+from mien.capture.cleaning.spikes import remove_spikes  # noqa: E402
+from mien.capture.cleaning.swaps import mend_swaps  # noqa: E402
+from mien.capture.cleaning.tracker_jitter import JitterSettings, jitter, low_passed, smooth_group  # noqa: E402
+from mien.core.timeline import FrameRate  # noqa: E402
+from mien.core.tracks import MarkerTrack  # noqa: E402
 
 Floats = NDArray[np.float64]
 CLOSED_MM = 0.75

@@ -22,15 +22,15 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw
 
-from mien.channels import ALL
+from mien.core.channels import ALL
+from mien.core.facs import channels_of_units, expression_channels
+from mien.core.files import replace_when_complete
 from mien.face.deformers import deformed_by, poser_for
-from mien.face.face import Face
-from mien.face.facs import channels_of_units, expression_channels
 from mien.face.library import load_face
 from mien.face.marker_sites import load_marker_places, place_markers
-from mien.files import replace_when_complete
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
+from mien.face.model import Face
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -81,7 +81,7 @@ def main() -> None:
 
 def moved_faces(face: Face, model: Any) -> dict[str, Face]:
     from mien.face.deformers import with_tree
-    from mien.models.articulatory import articulatory_tree
+    from mien.motion.mouth.articulatory import articulatory_tree
 
     faces = {name: deformed_by(face, name) for name in ("blendshapes", "tree", "regions")}
     if model is not None:
@@ -92,8 +92,8 @@ def moved_faces(face: Face, model: Any) -> dict[str, Face]:
 
 def learned(path: str, face: Face) -> tuple[object, list[str]]:
     """The articulatory model of a corpus, and what is known of it, in lines."""
-    from mien.corpus.corpus import Corpus
-    from mien.models.articulatory import ArticulatoryModel, held_out_errors, speaking_frames, takes_apart
+    from mien.corpus.recordings import Corpus
+    from mien.motion.mouth.articulatory import ArticulatoryModel, held_out_errors, speaking_frames, takes_apart
 
     kept, held = takes_apart(list(Corpus(path)))
     positions, markers, layout = speaking_frames(kept)

@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.audio_files import read_audio
 from mien.cli import main
-from mien.files import replace_when_complete
-from mien.models.emotion_classifier import default_classifier
+from mien.core.files import replace_when_complete
+from mien.emotion.emotion_classifier import default_classifier
+from mien.formats.sound_files import read_audio
 
 HERE = Path(__file__).parent
 TABLE = HERE.parent / "docs" / "tables" / "emotion.md"

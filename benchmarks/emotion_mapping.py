@@ -11,7 +11,7 @@ grid-s1 (1.7 mm, docs/results.md). *Wander*: a random curve of deviation 0.55 mm
 which emotional faces wander more than neutral ones (0.96 and 0.79 mm on the upper face; 1/e after 0.2 s); and, as a
 case that real faces are not, one of 2.8 mm.
 
-Sentence by sentence each map is learned from the others; see `mien.models.emotion_mapping.MappingScore` for the
+Sentence by sentence each map is learned from the others; see `mien.motion.maps.emotion_mapping.MappingScore` for the
 columns. `best possible` knows the truth: the very change without noise, wander and what another take does by chance.
 """
 
@@ -26,12 +26,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from mien.corpus.corpus import Corpus
+from mien.core.files import replace_when_complete
+from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
-from mien.files import replace_when_complete
-from mien.models.drift import smooth_drift
-from mien.models.emotion_component_maps import SameMap
-from mien.models.emotion_mapping import (
+from mien.motion.drift import smooth_drift
+from mien.motion.maps.emotion_component_maps import SameMap
+from mien.motion.maps.emotion_mapping import (
     EmotionMapping,
     MappingScore,
     leave_one_sentence_out,

@@ -5,7 +5,7 @@
     python benchmarks/expressions.py [--out docs/tables/expressions.md]
 
 Speech: the default performer speaks `SENTENCES` with the default voice. Lips are shut where the upper inner lip (13) on
-the face stands less than 0.75 mm higher above the lower (14) than at rest (`mien.evaluate.closure`); upwards, since a
+the face stands less than 0.75 mm higher above the lower (14) than at rest (`mien.metrics.closure`); upwards, since a
 raised chin pushes the lower lip forward while it shuts. Strength is the mean
 distance of all markers from the same line spoken neutral.
 
@@ -27,20 +27,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mien
-from mien.corpus.layouts import load_layout
-from mien.evaluate.closure import ClosureCounts, closure_counts
+from mien.capture.layouts import load_layout
+from mien.core.files import replace_when_complete
+from mien.core.timeline import FrameRate
+from mien.core.utterance import Utterance
 from mien.face.library import load_face
-from mien.files import replace_when_complete
-from mien.models.authored_mouth import MouthMotion
-from mien.models.authored_performance import authored_expression, authored_performance, authored_space, marker_basis
-from mien.models.expression_space import RATE, ExpressionSettings, ExpressionSpace
-from mien.models.patch_sampling import PatchSettings
-from mien.models.performer import MouthModel
-from mien.models.performers import load_performer
-from mien.pipeline import perform
-from mien.script.score import EmotionSpan, Score
-from mien.speech.utterance import Utterance
-from mien.timeline import FrameRate
+from mien.metrics.closure import ClosureCounts, closure_counts
+from mien.motion.expression.expression_space import RATE, ExpressionSettings, ExpressionSpace
+from mien.motion.expression.hand_made_performance import (
+    authored_expression,
+    authored_performance,
+    authored_space,
+    marker_basis,
+)
+from mien.motion.expression.patch_sampling import PatchSettings
+from mien.motion.mouth.hand_made_mouth import MouthMotion
+from mien.motion.performer import MouthModel
+from mien.motion.performers import load_performer
+from mien.pipeline.perform import perform
+from mien.text.score import EmotionSpan, Score
 
 Floats = NDArray[np.float64]
 LAYOUT = "mediapipe-218"

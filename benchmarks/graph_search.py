@@ -30,15 +30,15 @@ from made_graphs import (
 )
 
 from mien.corpus.recording.scripts import read_script
-from mien.models.anime_graph.candidates import GraphIndex
-from mien.models.anime_graph.costs import SearchWeights
-from mien.models.anime_graph.graph import AnimeGraph, RecordedChain, build_graph
-from mien.models.anime_graph.incremental import search_ahead
-from mien.models.anime_graph.plain_search import plain_search
-from mien.models.anime_graph.query import SpokenPhones
-from mien.models.anime_graph.search import search
-from mien.models.performers import load_learned_performer
-from mien.speech.pronunciation import pronounce_text
+from mien.motion.graph.candidates import GraphIndex
+from mien.motion.graph.costs import SearchWeights
+from mien.motion.graph.graph import AnimeGraph, RecordedChain, build_graph
+from mien.motion.graph.incremental import search_ahead
+from mien.motion.graph.plain_search import plain_search
+from mien.motion.graph.query import SpokenPhones
+from mien.motion.graph.search import search
+from mien.motion.performers import load_learned_performer
+from mien.text.pronunciation import pronounce_text
 
 WEIGHTS = {"paper": SearchWeights(), "learned": load_learned_performer("default").model("graph").weights_}
 LENGTH = 30

@@ -20,16 +20,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.cleaning.normalise import apply, best_similarity
+from mien.capture.cleaning.tracker_jitter import JitterSettings, jitter, smooth_group
+from mien.capture.layouts import load_layout
+from mien.capture.tracker import tracker_python
+from mien.core.errors import MissingPartError
 from mien.corpus.checking import check_corpus
-from mien.corpus.cleaning.jitter import JitterSettings, jitter, smooth_group
-from mien.corpus.cleaning.normalise import apply, best_similarity
-from mien.corpus.corpus import Corpus
 from mien.corpus.importing import import_corpus
-from mien.corpus.layouts import load_layout
+from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
-from mien.corpus.tracker import tracker_python
-from mien.errors import MissingPartError
-from mien.evaluate.report import put_section
+from mien.metrics.results_report import put_section
 
 ROOT = Path(__file__).parent.parent
 OUT = ROOT / "docs" / "tables" / "corpus.md"
@@ -180,9 +180,9 @@ def jitter_table(corpus: Corpus) -> Iterator[str]:
     closed = {key: float((np.array(values) < CLOSED_MM).mean()) for key, values in depth.items()}
     yield "## Jitter of the mouth\n"
     yield (
-        "Jitter as `mien.corpus.cleaning.jitter.jitter` measures it, mm, median over takes; closures: least lip "
-        f"opening within a /p b m/ with speech on both sides, mm, and how many are below {CLOSED_MM} mm. The recipe "
-        "for GRID keeps the motion as tracked.\n"
+        "Jitter as `mien.capture.cleaning.tracker_jitter.jitter` measures it, mm, median over takes; closures: least "
+        f"lip opening within a /p b m/ with speech on both sides, mm, and how many are below {CLOSED_MM} mm. The "
+        "recipe for GRID keeps the motion as tracked.\n"
     )
     yield "| motion | jitter at rest | jitter in speech | closures, median mm | closed |"
     yield "| --- | --- | --- | --- | --- |"

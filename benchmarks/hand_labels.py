@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.speech.utterance import PAUSE
-from mien.timeline import Interval
+from mien.core.audio import Audio
+from mien.core.timeline import Interval
+from mien.core.utterance import PAUSE
+from mien.formats.sound_files import read_audio
 
 # TIMIT's 61 labels onto the 39 phones (after Lee and Hon 1989); closures belong to the release that follows.
 _FOLD = {"ao": "AO", "ax": "AH", "ax-h": "AH", "axr": "ER", "el": "L", "em": "M", "en": "N", "eng": "NG", "hv": "HH"}

@@ -2,9 +2,11 @@
 
     python benchmarks/head_motion.py CORPUS [--takes 450]
 
-writes ``docs/tables/head_motion.md``. *Learned* is `mien.models.learned_head`, its ridge chosen on takes of its own;
-*performed* is the same as large as a line gets it. *Rule* is `mien.models.authored_prosody` at full strength, *sway*
-the drift of `mien.models.authored_idle`.
+writes ``docs/tables/head_motion.md``. *Learned* is `mien.motion.alive.head_motion`, its ridge chosen on takes of its
+own;
+*performed* is the same as large as a line gets it. *Rule* is `mien.motion.alive.visual_prosody` at full strength,
+*sway*
+the drift of `mien.motion.alive.idle`.
 """
 
 from __future__ import annotations
@@ -16,15 +18,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import ALL, HEAD
-from mien.corpus.corpus import Corpus
+from mien.core.channels import ALL, HEAD
+from mien.core.files import replace_when_complete
+from mien.core.utterance import Utterance
+from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
-from mien.files import replace_when_complete
-from mien.models.authored_idle import HEAD_SWAY, HEAD_TIME
-from mien.models.authored_prosody import AuthoredProsody
-from mien.models.drift import smooth_drift
-from mien.models.learned_head import GAIN, RATE, LearnedHead
-from mien.speech.utterance import Utterance
+from mien.motion.alive.head_motion import GAIN, RATE, LearnedHead
+from mien.motion.alive.idle import HEAD_SWAY, HEAD_TIME
+from mien.motion.alive.visual_prosody import AuthoredProsody
+from mien.motion.drift import smooth_drift
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "head_motion.md"
 RIDGES = (1e1, 1e2, 1e3, 1e4, 1e5)

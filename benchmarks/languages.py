@@ -24,12 +24,12 @@ import hand_labels
 import numpy as np
 from hand_labels import Labelled
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.timeline import Interval
+from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align
-from mien.speech.languages import find_language, heard_as
 from mien.speech.synthesis import synthesise
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import Interval
+from mien.text.languages import find_language, heard_as
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "languages.md"
 FILES = 150

@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.corpus.corpus import Corpus
-from mien.models.coarticulation import Coarticulation
-from mien.models.learning import learn
-from mien.models.performer_file import load_learned, save_learned
+from mien.corpus.recordings import Corpus
+from mien.motion.learning import learn
+from mien.motion.mouth.coarticulation import Coarticulation
+from mien.motion.performer_file import load_learned, save_learned
 
 HEADER = """# What learning costs
 

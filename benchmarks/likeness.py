@@ -19,19 +19,19 @@ import numpy as np
 from made_heads import Persons
 from scipy.ndimage import gaussian_filter
 
-from mien.face.face import Face
+from mien.core.files import replace_when_complete
+from mien.face.head_space import head_space
+from mien.face.model import Face
 from mien.face.posing import Poser
-from mien.files import replace_when_complete
-from mien.fitting.from_photos import face_from_photos
-from mien.fitting.head_space import head_space
-from mien.fitting.landmarks import known_landmarks
-from mien.fitting.photo_marks import Photo, named_marks
-from mien.fitting.regions import head_regions
-from mien.fitting.shape_from_photos import shape_from_photos
-from mien.fitting.warps import similarity_between
-from mien.render.camera import Camera
-from mien.render.lighting import Lighting
-from mien.render.renderer import Renderer
+from mien.face.render.camera import Camera
+from mien.face.render.lighting import Lighting
+from mien.face.render.renderer import Renderer
+from mien.fit.from_photos import face_from_photos
+from mien.fit.head_regions import head_regions
+from mien.fit.landmarks import known_landmarks
+from mien.fit.photo_marks import Photo, named_marks
+from mien.fit.shape_from_photos import shape_from_photos
+from mien.fit.warps import similarity_between
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "likeness.md"
 WIDTH, HEIGHT = 900, 1200
@@ -183,7 +183,7 @@ def texture_rows(persons: Persons, texture_of: dict[str, tuple[Face, np.ndarray]
 
 def texture_error(photos: Sequence[Photo], truth: np.ndarray, share: float) -> tuple[float, float, float]:
     """Mean CIE distance of the paint on the face where seen, where not, and of the default's paint; up to exposure."""
-    from mien.fitting.photo_paint import PaintSettings
+    from mien.fit.photo_paint import PaintSettings
 
     space = head_space()
     done = face_from_photos(photos, paint=PaintSettings(size=1024, even_light=share))

@@ -5,7 +5,7 @@
 * Frame-viseme accuracy: share of the frames (30 a second) in which the viseme (13 and rest; a diphthong goes by its
   first) that is shown is that of the hand-made phones at the same instant.
 * Closures: the lip opening of the default face (between landmarks 13 and 14, in excess of the resting face), counted by
-  `mien.evaluate.closure` against the hand-made phones: F1, recall, precision.
+  `mien.metrics.closure` against the hand-made phones: F1, recall, precision.
 * Deviation: of the mouth's channels (root mean square; weights 0..1) and of the 48 mouth landmarks on the default face
   (mm), against what ``mien animate`` makes of the same sound with its text (the default performer, whole). ``same
   model``: against the same speech model (learned curves) over the hand-made phones with no limit ahead: what is lost by
@@ -26,22 +26,22 @@ from numpy.typing import NDArray
 from scipy.signal import butter, fftconvolve, sosfilt
 from scipy.spatial import cKDTree
 
-from mien import channels
-from mien.corpus.layouts import load_layout
-from mien.evaluate.closure import ClosureCounts, closure_counts
+from mien.capture.layouts import load_layout
+from mien.core import channels
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.utterance import PAUSE, Utterance
 from mien.face.library import load_face
 from mien.face.retargeting import basis_at
-from mien.live.animator import LiveAnimator, LiveSettings
-from mien.models.authored_mouth import AuthoredMouth
-from mien.models.performer import Performer
-from mien.models.performers import load_performer
-from mien.models.streaming_mouth import StreamingMouth, without_sound
+from mien.metrics.closure import ClosureCounts, closure_counts
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
+from mien.motion.performer import Performer
+from mien.motion.performers import load_performer
+from mien.serve.live.animator import LiveAnimator, LiveSettings
 from mien.speech.align import align
 from mien.speech.phone_stream import PhoneStream
 from mien.speech.recognise import recognise
 from mien.speech.streaming_features import RATE as HEARD
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import FrameRate, Interval, Tier
 
 RATE = FrameRate.of(30)
 LOOK_AHEADS = (0.05, 0.1, 0.15, 0.3)

@@ -24,15 +24,15 @@ from collections.abc import Iterator
 import numpy as np
 from websockets.asyncio.client import connect
 
-from mien.live.animator import LiveAnimator, LiveSettings
-from mien.live.frames import Frame, Greeting, decode_frame
-from mien.live.performing import Performed, perform_live
-from mien.live.sockets import Access
-from mien.live.sounds import Inbox
-from mien.live.streaming import Outlets, opened_outlets
-from mien.models.performers import load_performer
+from mien.core.timeline import FrameRate
+from mien.motion.performers import load_performer
+from mien.serve.live.animator import LiveAnimator, LiveSettings
+from mien.serve.live.frames import Frame, Greeting, decode_frame
+from mien.serve.live.live_performance import Performed, perform_live
+from mien.serve.live.sockets import Access
+from mien.serve.live.sound_stream import Inbox
+from mien.serve.live.streaming import Outlets, opened_outlets
 from mien.speech.streaming_features import RATE
-from mien.timeline import FrameRate
 
 SECONDS = 20.0
 LOOK_AHEADS = (0.05, 0.1, 0.15, 0.3)

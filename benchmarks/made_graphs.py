@@ -22,14 +22,14 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.corpus.corpus import Corpus
-from mien.models.anime_graph.graph import AnimeGraph, RecordedChain, build_graph
-from mien.models.anime_graph.motion_code import MotionCode
-from mien.models.anime_graph.query import SpokenPhones, spoken_phones
-from mien.models.anime_graph.sound import SOUND_RATE, heard_features
-from mien.models.anime_graph.standing_in import stand_ins
-from mien.models.recorded_mouths import only_mouth
-from mien.speech.pronunciation import dictionary_entries
+from mien.corpus.recordings import Corpus
+from mien.motion.graph.graph import AnimeGraph, RecordedChain, build_graph
+from mien.motion.graph.motion_code import MotionCode
+from mien.motion.graph.query import SpokenPhones, spoken_phones
+from mien.motion.graph.sound import SOUND_RATE, heard_features
+from mien.motion.graph.standing_in import stand_ins
+from mien.motion.mouth.recorded_mouths import only_mouth
+from mien.text.pronunciation import dictionary_entries
 
 NEIGHBOURS = 1000
 FEATURE_NOISE = 0.3

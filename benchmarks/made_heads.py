@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import median_filter
 
-from mien.face.face import Face
-from mien.fitting.fit_head import GivenMesh
-from mien.fitting.landmarks import known_landmarks
-from mien.fitting.surface import edges_of
+from mien.face.model import Face
+from mien.fit.fit_head import GivenMesh
+from mien.fit.landmarks import known_landmarks
+from mien.fit.surface import edges_of
 
 TOOLS = Path(__file__).parent.parent / "tools" / "bake_face"
 MIDDLE = np.array([0.0, -25.0, -55.0])  # inside the head, mm: where the made-up scanner stands

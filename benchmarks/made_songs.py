@@ -1,6 +1,7 @@
 """Songs whose phone times are known: a synthetic voice made to sing over a synthetic band.
 
-Each vowel is held and moved to a note (WSOLA, `mien.speech.reshaping`), lines are parted by rests, and a band of chords
+Each vowel is held and moved to a note (WSOLA, `mien.speech.sound_reshaping`), lines are parted by rests, and a band of
+chords
 (eight harmonics each, decaying), a bass and a brushed drum plays behind it at a given level below the voice.
 """
 
@@ -10,13 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mien.audio import Audio
-from mien.speech.phones import is_vowel
+from mien.core.audio import Audio
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import Utterance
 from mien.speech.pitch import pitch_contour
-from mien.speech.reshaping import Change, reshape
+from mien.speech.sound_reshaping import Change, reshape
 from mien.speech.synthesis import synthesise
-from mien.speech.utterance import Utterance
-from mien.timeline import Interval, Tier
+from mien.text.phones import is_vowel
 
 __all__ = ["SONGS", "Song", "make_song"]
 

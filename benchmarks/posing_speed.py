@@ -21,13 +21,13 @@ import numpy as np
 from render_speed import finer, motion, vertices
 from threadpoolctl import threadpool_limits
 
-from mien.channels import ALL, HEAD
+from mien.core.channels import ALL, HEAD
+from mien.core.files import replace_when_complete
 from mien.face.deformers import deformed_by
-from mien.face.face import Face
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.posing import Poser, shade
 from mien.face.tree_posing import TreePoser
-from mien.files import replace_when_complete
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "posing.md"
 WARM = 5

@@ -20,13 +20,13 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.audio import Audio
-from mien.channels import ALL
-from mien.face.face import Face, Part, Target
+from mien.core.audio import Audio
+from mien.core.channels import ALL
 from mien.face.library import load_face
+from mien.face.model import Face, Part, Target
 from mien.face.posing import Poser
-from mien.output.video import write_frames
-from mien.render.renderer import Renderer
+from mien.face.render.renderer import Renderer
+from mien.formats.video import write_frames
 
 WARM = 3
 FPS = Fraction(30)
@@ -110,7 +110,7 @@ def encoding(pictures: list[np.ndarray]) -> tuple[float, float]:
 
 
 def whole(face: Face, rows: np.ndarray) -> tuple[float, float]:
-    """Pose, render and encode as `mien.output.video.write_video` does: the encoder in its own thread."""
+    """Pose, render and encode as `mien.formats.video.write_video` does: the encoder in its own thread."""
     poser, renderer = Poser(face, ALL), Renderer(face)
     sound = Audio(np.random.default_rng(0).normal(0, 0.05, round(len(rows) / FPS * 16000)), 16000)
     renderer.render(poser.pose(rows[0]))

@@ -18,17 +18,17 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.channels import ARKIT
-from mien.corpus.corpus import Corpus
-from mien.corpus.layouts import load_layout
-from mien.face.face import Face, Target
+from mien.capture.layouts import load_layout
+from mien.core.channels import ARKIT
+from mien.core.files import replace_when_complete
+from mien.corpus.recordings import Corpus
 from mien.face.library import load_face
+from mien.face.model import Face, Target
 from mien.face.rbf_retargeting import RbfRetargeter, sampled_pairs
 from mien.face.retargeting import Retargeter, basis_at
 from mien.face.retargeting_report import ambiguous_channels, residual_by_region
-from mien.files import replace_when_complete
-from mien.models.learned_mouth import NOT_BY_MARKERS
-from mien.models.marker_motion import RIDGE, STEADINESS, neutral_of, skin_markers, to_face
+from mien.motion.marker_motion import RIDGE, STEADINESS, neutral_of, skin_markers, to_face
+from mien.motion.mouth.learned_mouth import NOT_BY_MARKERS
 
 DOCS = Path(__file__).parent.parent / "docs"
 LAYOUT = "mediapipe-218"

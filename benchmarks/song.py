@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 from made_songs import SONGS, make_song
 
-from mien.audio import Audio
-from mien.errors import MienError
+from mien.core.audio import Audio
+from mien.core.errors import MienError
+from mien.core.utterance import Utterance
 from mien.speech.align import align
 from mien.speech.song import align_song
-from mien.speech.utterance import Utterance
 from mien.speech.voices import catalogue
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "song.md"

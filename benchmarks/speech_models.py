@@ -19,11 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.audio import Audio
-from mien.models.performer_file import SPEECH_MODELS
-from mien.models.performers import load_learned_performer
-from mien.models.speech_model import synthesise
-from mien.timeline import FrameRate, Interval, Tier
+from mien.core.audio import Audio
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.motion.mouth.speech_model import synthesise
+from mien.motion.performer_file import SPEECH_MODELS
+from mien.motion.performers import load_learned_performer
 
 TARGET = Path(__file__).parent.parent / "docs" / "tables" / "speech_models.md"
 SECONDS = (3, 62, 600)

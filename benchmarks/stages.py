@@ -20,20 +20,20 @@ from pathlib import Path
 
 import numpy as np
 
-from mien import channels
-from mien.animation import Animation
-from mien.audio import Audio
+from mien.animation.animation import Animation
+from mien.core import channels
+from mien.core.audio import Audio
+from mien.core.timeline import FrameRate
 from mien.face.library import load_face
 from mien.face.posing import Poser
-from mien.models.performer import Performer
-from mien.models.performers import load_performer
-from mien.output.video import write_frames, write_video
-from mien.pipeline import perform
-from mien.render.renderer import Renderer
-from mien.script.score import EmotionSpan, Score
+from mien.face.render.renderer import Renderer
+from mien.formats.video import write_frames, write_video
+from mien.motion.performer import Performer
+from mien.motion.performers import load_performer
+from mien.pipeline.perform import perform
 from mien.speech.align import align
 from mien.speech.synthesis import synthesise
-from mien.timeline import FrameRate
+from mien.text.score import EmotionSpan, Score
 
 PASSAGE = (
     "The rainbow is a division of white light into many beautiful colours. These take the shape of a long round arch, "

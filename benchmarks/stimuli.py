@@ -19,8 +19,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from mien.stimuli import Stimulus, make_stimuli, read_design
-from mien.stimuli.making import fingerprint
+from mien.api.stimuli import Stimulus, make_stimuli, read_design
+from mien.api.stimuli.stimulus_making import fingerprint
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "stimuli.md"
 SENTENCES = (

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.corpus.corpus import Corpus
-from mien.corpus.layouts import load_layout
+from mien.capture.layouts import load_layout
+from mien.core.files import replace_when_complete
+from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
-from mien.files import replace_when_complete
-from mien.models.drift import smooth_drift
-from mien.models.expression_motion import warped_by_motion
+from mien.motion.drift import smooth_drift
+from mien.motion.expression.expression_motion import warped_by_motion
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "twin_warp.md"
 TAKES, GRID, SECONDS = 30, 60, 3.0

@@ -15,8 +15,8 @@ import sys
 
 import numpy as np
 
-from mien.corpus.corpus import Corpus
-from mien.corpus.layouts import load_layout
+from mien.capture.layouts import load_layout
+from mien.corpus.recordings import Corpus
 
 TAKES = 60
 

@@ -29,13 +29,13 @@ from typing import Any
 
 import numpy as np
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
+from mien.core.audio import Audio
+from mien.core.timeline import Tier
+from mien.formats.sound_files import read_audio
 from mien.speech.align import align_words, tiers
-from mien.speech.pronunciation import pronounce, pronunciations
-from mien.speech.text import SpokenText, spoken_words
 from mien.speech.voices import Voice, catalogue
-from mien.timeline import Tier
+from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.pronunciation import pronounce, pronunciations
 
 HERE = Path(__file__).parent
 TABLE = HERE.parent / "docs" / "tables" / "voices.md"
@@ -170,7 +170,8 @@ def installed_megabytes(voice: Voice) -> str:
 def same_bits(voice: Voice) -> bool:
     """Whether two fresh processes give the same samples."""
     code = (
-        "import hashlib, sys; from mien.speech.text import spoken_words; from mien.speech.voices import get_voice; "
+        "import hashlib, sys; from mien.text.normalisation import spoken_words; "
+        "from mien.speech.voices import get_voice; "
         "audio = get_voice(sys.argv[1]).speak(spoken_words('The same words, twice over.')).audio; "
         "print(hashlib.sha256(audio.samples.tobytes()).hexdigest())"
     )

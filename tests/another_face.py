@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mien.face.face import Face, Part, Target
+from mien.face.model import Face, Part, Target
 
 
 def bend(points: np.ndarray) -> np.ndarray:

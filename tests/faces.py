@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from mien.animation import Animation, Provenance
-from mien.audio import Audio
-from mien.channels import ALL, ARKIT, MUSCLES, TONGUE
-from mien.errors import Note
-from mien.face.face import Eye, Face, Material, Part, Target
-from mien.script.score import EmotionSpan, Score
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import FrameRate, Interval, Tier
-from mien.tracks import ChannelTrack, MarkerTrack
+from mien.animation.animation import Animation, Provenance
+from mien.core.audio import Audio
+from mien.core.channels import ALL, ARKIT, MUSCLES, TONGUE
+from mien.core.errors import Note
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.tracks import ChannelTrack, MarkerTrack
+from mien.core.utterance import PAUSE, Utterance
+from mien.face.model import Eye, Face, Material, Part, Target
+from mien.text.score import EmotionSpan, Score
 
 PIVOT = (0.0, -110.0, -60.0)
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import mien
-from mien import channels
-from mien.animation import Animation
+from mien.animation.animation import Animation
 from mien.cli import main
-from mien.face.face import Face
+from mien.core import channels
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.posing import Poser
-from mien.output.native import read_native
+from mien.formats.native import read_native
 
 LINE = "Papa may buy five very good mauve vans, Bob."
 PAIRS = ["", *(f"_{side}{step}" for side in "lr" for step in (1, 2))]

@@ -9,9 +9,9 @@ import sys
 
 from tools.viewer_files import FRAMES, tables, write
 
-from mien.live.frames import decode_frame
-from mien.output.gltf import write_glb
-from mien.output.native import write_native
+from mien.formats.gltf import write_glb
+from mien.formats.native import write_native
+from mien.serve.live.frames import decode_frame
 from tests.faces import tiny_animation, tiny_face
 from tests.node import ROOT, chromium, installed, run
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mien.audio import Audio
-from mien.speech.utterance import Utterance
-from mien.timeline import Interval, Tier
+from mien.core.audio import Audio
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import Utterance
 
 
 def utterance(*phones: tuple[str, float], rate: int = 16000, text: str = "test") -> Utterance:

@@ -16,19 +16,19 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from mien.audio import Audio
-from mien.face.face import Face
+from mien.core.audio import Audio
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.utterance import Utterance
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.posing import Poser
-from mien.models.performers import load_performer
-from mien.output.contact_sheet import contact_sheet, in_plain_letters
-from mien.pipeline import perform
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
-from mien.script.score import Score
-from mien.speech.languages import Language, find_language, in_english_phones
-from mien.speech.utterance import Utterance
-from mien.timeline import FrameRate, Interval, Tier
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.formats.contact_sheet import contact_sheet, in_plain_letters
+from mien.motion.performers import load_performer
+from mien.pipeline.perform import perform
+from mien.text.languages import Language, find_language, in_english_phones
+from mien.text.score import Score
 
 SHEETS = {
     "fi": ("ɑ e i o u y æ ø", "p m ʋ f t s r l k h j ŋ"),

@@ -14,9 +14,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from mien.corpus.corpus import Corpus
-from mien.models.learning import learn_corpus
-from mien.models.performer_file import save_learned
+from mien.corpus.recordings import Corpus
+from mien.motion.learning import learn_corpus
+from mien.motion.performer_file import save_learned
 
 TARGET = Path(__file__).parent.parent / "src" / "mien" / "assets" / "performers" / "default.mien"
 

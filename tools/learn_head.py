@@ -13,8 +13,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from mien.corpus.corpus import Corpus
-from mien.models.learned_head import LearnedHead
+from mien.corpus.recordings import Corpus
+from mien.motion.alive.head_motion import LearnedHead
 
 TARGET = Path(__file__).parent.parent / "src" / "mien" / "assets" / "performance" / "head.npz"
 

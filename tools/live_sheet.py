@@ -18,12 +18,12 @@ sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 from hand_labels import Labelled
 from live_accuracy import OFFLINE, Mouth, live, offline
 
-from mien import channels
-from mien.audio_files import read_audio
+from mien.core import channels
 from mien.face.library import load_face
 from mien.face.posing import Poser
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.formats.sound_files import read_audio
 from mien.speech.align import align
 
 SIDE, LINE, COLUMNS = 150, 16, 12

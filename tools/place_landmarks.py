@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.fitting.head_space import head_space
+from mien.face.head_space import head_space
 
 # name, site or place of the left or middle one, whether it must be given, words
 LANDMARKS = (

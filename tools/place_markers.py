@@ -24,11 +24,11 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from mien.corpus.cleaning.normalise import apply, best_similarity, least_squares
-from mien.face.face import Face
+from mien.capture.cleaning.normalise import apply, best_similarity, least_squares
+from mien.core.timeline import FrameRate
+from mien.core.tracks import MarkerTrack
 from mien.face.library import load_face
-from mien.timeline import FrameRate
-from mien.tracks import MarkerTrack
+from mien.face.model import Face
 
 HERE = Path(__file__).parent
 ASSETS = HERE.parent / "src" / "mien" / "assets" / "markers"

@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from mien import channels
+from mien.core import channels
 from mien.face.library import load_face
 from mien.face.posing import Poser
-from mien.output.contact_sheet import contact_sheet
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
-from mien.script.commands import Command, shipped_library
-from mien.script.curves import lay_over
-from mien.script.library_file import CommandDefinition
-from mien.script.procedures import PROCEDURES
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.formats.contact_sheet import contact_sheet
+from mien.text.commands import Command, shipped_library
+from mien.text.library_file import CommandDefinition
+from mien.text.parameter_curves import lay_over
+from mien.text.procedures import PROCEDURES
 
 DOCS = Path(__file__).parents[1] / "docs"
 LOOK_AT = {"yaw": "15", "pitch": "10"}

@@ -23,15 +23,15 @@ import likeness
 from face_fit import SOME, chosen
 from made_heads import MadeHead, Persons
 
-from mien.face.face import Face
+from mien.core.files import replace_when_complete
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.posing import Poser
-from mien.files import replace_when_complete
-from mien.fitting.fit_head import fit_head
-from mien.fitting.from_photos import face_from_photos
-from mien.fitting.landmarks import known_landmarks
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.fit.fit_head import fit_head
+from mien.fit.from_photos import face_from_photos
+from mien.fit.landmarks import known_landmarks
 
 QUALITY = 84
 POSES: tuple[tuple[Mapping[str, float], float], ...] = (

@@ -21,22 +21,22 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import mien
-from mien.animation import Animation
-from mien.channels import ALL, TONGUE, WEIGHTS
-from mien.errors import unknown_name
-from mien.face.face import Face, Part
-from mien.face.facs import action_units, au_channels, basic_expressions, expression_channels
+from mien.animation.animation import Animation
+from mien.api.recoloring import recolor
+from mien.core.channels import ALL, TONGUE, WEIGHTS
+from mien.core.errors import unknown_name
+from mien.core.facs import action_units, au_channels, basic_expressions, expression_channels
+from mien.core.files import replace_when_complete
+from mien.core.timeline import FrameRate
 from mien.face.library import load_face
+from mien.face.model import Face, Part
 from mien.face.posing import Poser
-from mien.files import replace_when_complete
-from mien.models.authored_mouth import AuthoredMouth
-from mien.models.authored_performance import authored_expression
-from mien.recolor import recolor
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
-from mien.script.score import EmotionSpan, Score
-from mien.speech.phones import phone_table
-from mien.timeline import FrameRate
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.motion.expression.hand_made_performance import authored_expression
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.text.phones import phone_table
+from mien.text.score import EmotionSpan, Score
 
 JPEG_QUALITY = 86
 AUTO = ("03a01Wa", "03a01Fa", "03a02Ta")

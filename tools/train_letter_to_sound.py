@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.speech.letter_to_sound import BITS, Model
-from mien.speech.pronunciation import dictionary_entries
+from mien.text.letter_to_sound import BITS, Model
+from mien.text.pronunciation import dictionary_entries
 
 ORDER = 7
 THRESHOLDS = (0, 0, 1, 1, 2, 2, 3, 3)

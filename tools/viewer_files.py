@@ -17,15 +17,15 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from tests.faces import tiny_animation, tiny_face
 
-from mien.channels import ALL, HEAD, WEIGHTS
-from mien.face.foreign.names import Convention, conventions, name_tables, recognised
+from mien.core.channels import ALL, HEAD, WEIGHTS
+from mien.face.foreign.rig_names import Convention, conventions, name_tables, recognised
 from mien.face.tree_config import parse_tree
 from mien.face.tree_data import config_data, influence_data
-from mien.live.frames import END, Frame, Greeting, encode_frame
-from mien.output.driven_glb import drive_glb
-from mien.output.gltf import write_glb
-from mien.output.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
-from mien.output.native import write_native
+from mien.formats.driven_glb import drive_glb
+from mien.formats.gltf import write_glb
+from mien.formats.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
+from mien.formats.native import write_native
+from mien.serve.live.frames import END, Frame, Greeting, encode_frame
 
 FRAMES = 6
 
@@ -80,7 +80,8 @@ def tables() -> str:
         "EYE_DEGREES: Readonly<Record<string, number>>": {way.lower(): value for way, value in names["eyes"].items()},
     }
     first = (
-        "// Written by tools/viewer_files.py from mien.channels and src/mien/assets/rigs. Do not edit.\n" + CONVENTION
+        "// Written by tools/viewer_files.py from mien.core.channels and src/mien/assets/rigs. Do not edit.\n"
+        + CONVENTION
     )
     return first + "".join(f"export const {name} = {table(value)};\n" for name, value in constants.items())
 

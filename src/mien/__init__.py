@@ -13,12 +13,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mien.animation import Animation
-    from mien.api import align, animate, express, save, say
-    from mien.audio import Audio
-    from mien.diagnosis import doctor
-    from mien.errors import InputError, MienError
-    from mien.speech.utterance import Utterance
+    from mien.animation.animation import Animation
+    from mien.api.calls import align, animate, express, save, say
+    from mien.api.diagnosis import doctor
+    from mien.core.audio import Audio
+    from mien.core.errors import InputError, MienError
+    from mien.core.utterance import Utterance
 
 __all__ = [
     "Animation",
@@ -35,17 +35,17 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Animation": "mien.animation",
-    "Audio": "mien.audio",
-    "InputError": "mien.errors",
-    "MienError": "mien.errors",
-    "Utterance": "mien.speech.utterance",
-    "align": "mien.api",
-    "animate": "mien.api",
-    "doctor": "mien.diagnosis",
-    "express": "mien.api",
-    "save": "mien.api",
-    "say": "mien.api",
+    "Animation": "mien.animation.animation",
+    "Audio": "mien.core.audio",
+    "InputError": "mien.core.errors",
+    "MienError": "mien.core.errors",
+    "Utterance": "mien.core.utterance",
+    "align": "mien.api.calls",
+    "animate": "mien.api.calls",
+    "doctor": "mien.api.diagnosis",
+    "express": "mien.api.calls",
+    "save": "mien.api.calls",
+    "say": "mien.api.calls",
 }
 
 

@@ -1,4 +1,4 @@
-// Curves through keys: the same formulas as mien.script.curves and mien.script.intensity.
+// Curves through keys: the same formulas as mien.text.parameter_curves and mien.text.intensity.
 import type { Blend } from './types';
 
 export type Point = readonly [number, number];

@@ -39,7 +39,7 @@ describe('moments tied to what is said', () => {
   });
 });
 
-describe('curves, against values of mien.script', () => {
+describe('curves, against values of mien.text', () => {
   const points: Point[] = [[0, 0], [1, 1], [3, 0.5]];
   it('held between keys', () => {
     expect([-1, 0.25, 2, 9].map((at) => held(points, at, 'linear'))).toEqual([0, 0.25, 0.75, 0.5]);
@@ -88,7 +88,7 @@ describe('the layer', () => {
 
 describe('frames', () => {
   const facts = new Map([['a', { name: 'a', unit: '', minimum: 0, maximum: 1, group: '' }]]);
-  it('are laid over as mien.script.curves.lay_over does', () => {
+  it('are laid over as mien.text.parameter_curves.lay_over does', () => {
     const values = new Float32Array(15 * 2).fill(0.5); // 10 fps, channels a and b
     const layer = setChannel(emptyLayer(), 'a', [[0.4, 1], [0.8, 0]], speech, 'replace');
     layOver(values, ['a', 'b'], 10, layer, speech, facts);

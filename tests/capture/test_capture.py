@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from mien.capture import capture_take, fit_person
-from mien.channels import WEIGHTS
-from mien.corpus.layouts import load_layout
-from mien.errors import InputError
+from mien.capture.layouts import load_layout
+from mien.core.channels import WEIGHTS
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import MarkerTrack
 from mien.face.library import load_face
 from mien.face.marker_sites import place_markers
 from mien.face.retargeting import basis_at
-from mien.timeline import FrameRate
-from mien.tracks import MarkerTrack
 
 LAYOUT = load_layout("mediapipe-218")
 FRAMES = 60

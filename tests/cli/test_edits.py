@@ -6,9 +6,9 @@ import json
 
 import pytest
 
+from mien.animation.edits import line_of
 from mien.cli import main
-from mien.edits import line_of
-from mien.output.native import read_native
+from mien.formats.native import read_native
 
 JAW = {
     "kind": "channel",

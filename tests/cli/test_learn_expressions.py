@@ -9,11 +9,11 @@ import pytest
 
 import mien
 from mien.cli import main
-from mien.corpus.corpus import Corpus
-from mien.models.performers import load_learned_performer
-from mien.output.native import read_native
+from mien.corpus.recordings import Corpus
+from mien.formats.native import read_native
+from mien.motion.performers import load_learned_performer
 from tests.cli.test_main import refused
-from tests.models.expressive_takes import LAYOUT, take, takes
+from tests.motion.expressive_takes import LAYOUT, take, takes
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_the_performer_smiles_as_recorded_and_borrows_the_rest(performer: Path) 
 
 
 def test_saved_and_loaded_it_moves_alike(performer: Path, tmp_path: Path) -> None:
-    from mien.models.performer_file import save_learned
+    from mien.motion.performer_file import save_learned
 
     learned = load_learned_performer(performer)
     save_learned(learned, tmp_path / "again.mien")

@@ -109,7 +109,7 @@ def test_stopping_by_hand_ends_with_130(
     def stop(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("mien.api.say", stop)
+    monkeypatch.setattr("mien.api.calls.say", stop)
     assert main(["say", "Hello.", "-o", str(tmp_path / "a.csv")]) == 130
     assert "stopped" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

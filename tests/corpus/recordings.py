@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.corpus.layouts import load_layout
+from mien.capture.layouts import load_layout
+from mien.core.audio import Audio
+from mien.core.timeline import FrameRate, Interval, Tier, timecode
 from mien.face.posing import head_rotation
-from mien.textgrid import write_textgrid
-from mien.timeline import FrameRate, Interval, Tier, timecode
+from mien.formats.textgrid import write_textgrid
 
 LAYOUT = load_layout("mpeg4-32")
 RATE = FrameRate.of(60)
@@ -122,7 +122,7 @@ def write_c3d(
 
 
 def write_livelink(folder: Path, name: str) -> Path:
-    from mien.livelink import COLUMNS
+    from mien.formats.livelink import COLUMNS
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.csv"

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.errors import OutputError
+from mien.core.timeline import Interval, Tier
+from mien.core.tracks import MarkerTrack
 from mien.corpus.checking import check_corpus
-from mien.corpus.corpus import Corpus
 from mien.corpus.importing import import_corpus
-from mien.corpus.picture import draw_take
+from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
-from mien.errors import OutputError
-from mien.timeline import Interval, Tier
-from mien.tracks import MarkerTrack
+from mien.corpus.take_picture import draw_take
 from tests.corpus import recordings as made
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mien.capture.layouts import load_layout
+from mien.capture.tracker import tracker_python
+from mien.core.errors import MissingPartError
 from mien.corpus.importing import import_corpus
-from mien.corpus.layouts import load_layout
-from mien.corpus.tracker import tracker_python
-from mien.errors import MissingPartError
 
 NAMES = ("bbaf2n", "bbaz5s", "prii9a")  # the first of the set, one with a Z, one with gaps
 RIGID = (33, 133, 362, 263, 168, 6, 197, 195, 5, 10, 151, 9, 8, 1, 4, 98, 327)

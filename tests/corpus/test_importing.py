@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.corpus.corpus import Corpus
+from mien.core.errors import InputError
 from mien.corpus.importing import import_corpus
 from mien.corpus.recipes import Recipe, load_recipe
-from mien.errors import InputError
+from mien.corpus.recordings import Corpus
 from tests.corpus import recordings as made
 
 

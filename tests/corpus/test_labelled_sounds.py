@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.errors import InputError
 from mien.corpus.labelled_sounds import read_labelled_sounds
-from mien.errors import InputError
 
 
 def make(folder: Path, *names: str) -> Path:

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.corpus.cleaning.normalise import apply
+from mien.capture.cleaning.normalise import apply
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
 from mien.corpus.readers import detect, reader_named
 from mien.corpus.recipes import load_recipe
-from mien.errors import InputError
-from mien.timeline import FrameRate
 from tests.corpus import recordings as made
 
 Writer = Callable[[Path, str], Path]
@@ -197,7 +197,7 @@ while True:
 @pytest.fixture
 def fake_tracker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tracker whose landmarks tell the brightness of the picture; it loses the face in dark ones, dies in bright."""
-    from mien.corpus import tracker, tracker_worker
+    from mien.capture import tracker, tracker_worker
 
     script = tmp_path / "fake_tracker.py"
     script.write_text(FAKE_TRACKER)
@@ -263,7 +263,7 @@ def test_a_video_without_a_face_or_without_pictures_is_refused(tmp_path: Path) -
 
 
 def test_the_tracker_worker_runs_without_mien() -> None:
-    from mien.corpus import tracker_worker
+    from mien.capture import tracker_worker
 
     text = Path(tracker_worker.__file__).read_text(encoding="utf-8")
     assert "mien." not in text.replace("without mien.", "")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from mien.core.errors import InputError
 from mien.corpus.readers import READERS
 from mien.corpus.recipes import Recipe, known_recipes, load_recipe
-from mien.errors import InputError
 
 
 @pytest.mark.parametrize("name", known_recipes())

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.errors import InputError, OutputError
 from mien.corpus.recording.folder import SessionFolder
 from mien.corpus.recording.scripts import Line
 from mien.corpus.recording.session import Plan, Session, SessionReport
-from mien.errors import InputError, OutputError
 
 LINES = [Line(1, "Hello there."), Line(2, "It is late."), Line(3, "Good bye.")]
 PLAN = Plan(LINES, "mine", "anna", "happy")
@@ -106,7 +106,7 @@ def test_retake_skip_and_quit(tmp_path: Path) -> None:
     report = run(tmp_path, keys, devices)
     assert devices.taken == [1, 1]
     assert [line.number for line in report.skipped] == [2, 3]
-    from mien.audio_files import read_audio
+    from mien.formats.sound_files import read_audio
 
     assert read_audio(tmp_path / "anna-happy-mine-001.wav")[0] == soft
     assert len(rows(tmp_path)) == 1

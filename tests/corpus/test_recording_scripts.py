@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from mien.core.errors import InputError
 from mien.corpus.recording.scripts import LANGUAGES, read_script
-from mien.errors import InputError
-from mien.speech.phones import phone_table
-from mien.speech.pronunciation import in_dictionary
-from mien.speech.text import spoken_words
+from mien.text.normalisation import spoken_words
+from mien.text.phones import phone_table
+from mien.text.pronunciation import in_dictionary
 
 sys.path.insert(0, str(Path(__file__).parent.parent.parent / "benchmarks"))
 

@@ -12,11 +12,11 @@ import av
 import numpy as np
 import pytest
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
+from mien.capture.layouts import load_layout
+from mien.core.audio import Audio
+from mien.core.errors import InputError, MissingPartError, OutputError
 from mien.corpus.importing import import_corpus
-from mien.corpus.layouts import load_layout
-from mien.corpus.readers.video import steady_frames
+from mien.corpus.readers.video_recordings import steady_frames
 from mien.corpus.recording import devices as module
 from mien.corpus.recording.devices import CameraDevice, Devices, MicrophoneDevice, open_devices
 from mien.corpus.recording.folder import SessionFolder
@@ -24,7 +24,7 @@ from mien.corpus.recording.levels import level_notes, measure_levels
 from mien.corpus.recording.scripts import Line
 from mien.corpus.recording.session import Plan, Session, SessionReport
 from mien.corpus.recording.sources import PreparedFolder
-from mien.errors import InputError, MissingPartError, OutputError
+from mien.formats.sound_files import read_audio
 from tests.corpus import recordings as made
 from tests.corpus.test_recording import Keys, speech
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from mien.core.errors import InputError
 from mien.corpus.transcripts import read_table, read_transcript
-from mien.errors import InputError
 from tests.corpus.recordings import write_speech
 
 

@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 
 import mien
+from mien.api.stimuli import make_stimuli, read_design
+from mien.api.stimuli.row_performance import performed
 from mien.cli import main
-from mien.modules.transport import Sender
-from mien.script.commands import Command, CommandLibrary
-from mien.stimuli import make_stimuli, read_design
-from mien.stimuli.performing import performed
+from mien.serve.modules.transport import Sender
+from mien.text.commands import Command, CommandLibrary
 from tests.examples.fake_psychopy import Session, install
-from tests.modules.speaking import toy_voice
+from tests.serve.modules.speaking import toy_voice
 
 __all__ = ["toy_voice"]
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -7,9 +7,9 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from mien.channels import ARKIT, BEYOND_ARKIT, WEIGHTS
-from mien.face.face import Face, Part
+from mien.core.channels import ARKIT, BEYOND_ARKIT, WEIGHTS
 from mien.face.library import load_face
+from mien.face.model import Face, Part
 from mien.face.posing import Poser
 
 Floats = NDArray[np.floating]
@@ -372,8 +372,8 @@ def test_the_tongue_of_n_l_and_th_shows_between_the_teeth(
     posed: Callable[..., dict[str, Floats]], viseme: str, reach: float
 ) -> None:
     """Between the edges of the incisors it comes to their back, less ``reach`` mm; for /th/ through them."""
-    from mien.channels import ALL
-    from mien.models.authored_mouth import AuthoredMouth
+    from mien.core.channels import ALL
+    from mien.motion.mouth.hand_made_mouth import AuthoredMouth
 
     shape = AuthoredMouth().visemes[viseme].shape
     parts = posed(**{name: float(weight) for name, weight in zip(ALL, shape, strict=True) if weight})

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.deformers import with_tree
 from mien.face.example_poses import parameters_of_poses, read_poses
 from mien.face.obj import MESH, Mesh, face_of_mesh, write_obj

@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.errors import InputError
-from mien.face.face import Face
+from mien.core.errors import InputError
 from mien.face.library import known_faces, load_face
+from mien.face.model import Face
 from mien.face.storage import read_face, write_face
 
 

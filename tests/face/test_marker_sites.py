@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.another_face import another_face, bend
-from tests.faces import tiny_face
 
-from mien.corpus.layouts import known_layouts, load_layout
-from mien.errors import InputError
-from mien.face.face import Face
+from mien.capture.layouts import known_layouts, load_layout
+from mien.core.errors import InputError
 from mien.face.library import load_face
 from mien.face.marker_sites import GIVEN, Placed, load_marker_places, place_markers
+from mien.face.model import Face
 from mien.face.retargeting import basis_at
+from tests.another_face import another_face, bend
+from tests.faces import tiny_face
 
 PLACES = load_marker_places("mediapipe-218")
 MOUTH = load_layout("mediapipe-218").groups["mouth"]

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.faces import tiny_face
 
 from mien.cli import main
-from mien.errors import InputError
-from mien.face.face import Face, Target
+from mien.core.errors import InputError
 from mien.face.mesh_check import mesh_notes
+from mien.face.model import Face, Target
 from mien.face.obj import Mesh, face_of_mesh, read_obj, write_obj
 from mien.face.parameter_tree import Parameter, ParameterTree
 from mien.face.posing import Poser
 from mien.face.storage import read_face, write_face
 from mien.face.tree_config import parse_tree
 from mien.face.tree_report import tree_report
+from tests.faces import tiny_face
 
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 10) for y in (0, 10) for z in (0, 10))
 SIDES = ("1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.obj import face_of_mesh, read_obj, write_obj
 from mien.face.posing import Poser
 

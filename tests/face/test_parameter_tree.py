@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.faces import tiny_face
 
-from mien.channels import ALL, WEIGHTS
-from mien.errors import InputError
+from mien.core.channels import ALL, WEIGHTS
+from mien.core.errors import InputError
 from mien.face.deformers import deformed_by, lost_by_targets, poser_for, with_tree
-from mien.face.face import Face
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.obj import MESH, Mesh, face_of_mesh
 from mien.face.parameter_tree import Influence, Parameter, ParameterTree, rotation_matrix, translation_matrix
 from mien.face.posing import Poser
 from mien.face.tree_of_face import jaw_motion, translations_of, tree_of_face
 from mien.face.tree_posing import TreePoser
+from tests.faces import tiny_face
 
 
 def on(weights: dict[int, float]) -> dict[str, Influence]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mien.channels import ALL
-from mien.errors import InputError
-from mien.face.face import Eye, Face, Material, Part, Target
+from mien.core.channels import ALL
+from mien.core.errors import InputError
+from mien.face.model import Eye, Face, Material, Part, Target
 from mien.face.posing import Poser, eye_rotation, head_rotation, pose_reference
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float32)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.rbf_retargeting import RbfRetargeter, sampled_pairs, steadied
 from mien.face.retargeting_report import ambiguous_channels, residual_by_region
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from mien.channels import MOUTH
-from mien.errors import InputError
-from mien.face.face import Face
+from mien.core.channels import MOUTH
+from mien.core.errors import InputError
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.retargeting import ITERATIONS, STILL, Retargeter, _descended, basis_at
 
 CHANNELS = tuple(n for n in MOUTH if not n.startswith(("tongue", "cheek", "mouthClose")))

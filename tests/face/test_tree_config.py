@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.faces import tiny_face
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.library import load_face
 from mien.face.tree_config import check_tree, read_tree, tree_text, write_tree
 from mien.face.tree_of_face import tree_of_face
+from tests.faces import tiny_face
 
 BOX = {"mesh": np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])}
 GOOD = """# a remark

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.face.test_tree_config import BOX, GOOD
-from tests.faces import tiny_face
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.library import load_face
 from mien.face.parameter_tree import ParameterTree
 from mien.face.tree_config import parse_tree, tree_text
 from mien.face.tree_data import check_data, config_data, data_text, influence_data, tree_data
 from mien.face.tree_of_face import tree_of_face
+from tests.face.test_tree_config import BOX, GOOD
+from tests.faces import tiny_face
 
 number = st.floats(-1e6, 1e6, allow_nan=False)
 positive = st.floats(0, 1e3)

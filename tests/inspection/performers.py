@@ -8,15 +8,15 @@ from functools import cache
 
 import numpy as np
 
-from mien.models.coarticulation import CoarticulationSettings
-from mien.models.correction import CorrectionSettings
-from mien.models.coverage import Coverage
-from mien.models.curves import Curves
-from mien.models.influence import InfluenceSettings
-from mien.models.learning import LearningSettings, learn
-from mien.models.performer_file import LearnedSpeech
-from mien.models.speech_motion import SpeechMotionSettings
-from tests.models.speaking import takes
+from mien.motion.learning import LearningSettings, learn
+from mien.motion.mouth.coarticulation import CoarticulationSettings
+from mien.motion.mouth.correction import CorrectionSettings
+from mien.motion.mouth.coverage import Coverage
+from mien.motion.mouth.influence import InfluenceSettings
+from mien.motion.mouth.influence_curves import Curves
+from mien.motion.mouth.speech_motion import SpeechMotionSettings
+from mien.motion.performer_file import LearnedSpeech
+from tests.motion.speaking import takes
 
 SMALL = SpeechMotionSettings(
     components=3,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.inspection.expression_picture import draw_expression_space, kept_variance
-from mien.models.expression_space import RATE, ExpressionSpace, ExpressiveMotion
+from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
 
 
 def space() -> ExpressionSpace:

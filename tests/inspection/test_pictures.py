@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mien.errors import InputError
+from mien.core.errors import InputError
+from mien.core.plotting import COLOURS, GRID, PAPER
 from mien.inspection.coverage_picture import draw_coverage
 from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_heard, read_sequence
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
 from mien.inspection.pictures import pictures_of
-from mien.models.articulation import articulation_table
-from mien.plotting import COLOURS, GRID, PAPER
+from mien.motion.mouth.articulation import articulation_table
 from tests.inspection.performers import known_performer, small_performer
 
 
@@ -117,7 +117,7 @@ def shapes() -> KeyShapes:
 
 
 def test_key_shapes_of_the_speaker_open_and_close(shapes):
-    from mien import channels
+    from mien.core import channels
 
     found, jaw = shapes.of_speaker(), channels.ALL.index("jawOpen")
     assert set(found) == set(articulation_table().symbols)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.inspection.shares import ordinary_english, phones_of_text, read_sentences, share_of_pairs
 from tests.inspection.performers import known_performer
 

@@ -8,9 +8,9 @@ import pytest
 
 from mien.inspection.shares import share_of_pairs
 from mien.inspection.summary import heard_phones, summary
-from mien.models.performers import load_learned_performer
+from mien.motion.performers import load_learned_performer
 from tests.inspection.performers import known_performer, small_performer
-from tests.models.speaking import takes
+from tests.motion.speaking import takes
 
 
 def test_heard_phones_are_those_of_the_takes():

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mien.animation import imported
-from mien.channels import WEIGHTS
-from mien.errors import InputError
+from mien.animation.animation import imported
+from mien.core.channels import WEIGHTS
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.face.library import load_face
+from mien.formats.c3d import face_markers
 from mien.metrics import mouth
 from mien.metrics.face_track import FaceTrack, landmark_names, shown_landmarks
 from mien.metrics.pairing import constant_offset
-from mien.output.c3d import face_markers
-from mien.timeline import FrameRate, Interval, Tier
-from mien.tracks import ChannelTrack, MarkerTrack
 
 RATE = FrameRate.of(25)
 JAW = 0.3 + 0.2 * np.sin(np.arange(60) / 2)

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.errors import AlignmentError, InputError
+from mien.core.audio import Audio
+from mien.core.errors import AlignmentError, InputError
+from mien.core.utterance import PAUSE
+from mien.formats.sound_files import read_audio
 from mien.speech import align as aligning
 from mien.speech import decoder
 from mien.speech.align import align, align_words
-from mien.speech.pronunciation import pronunciations
-from mien.speech.text import spoken_words
-from mien.speech.utterance import PAUSE
+from mien.text.normalisation import spoken_words
+from mien.text.pronunciation import pronunciations
 
 SENTENCE = ("dr1-mcpm0", "sx204")  # "Even I occasionally get the Monday blues."
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.errors import InputError
+from mien.core.errors import InputError
+from mien.core.utterance import PAUSE
 from mien.speech.frame_classifier import FrameClassifier, default_classifier
 from mien.speech.phone_stream import MEMORY, SHORTEST, DecodingSettings, PhoneStream, _Paths, _traced
-from mien.speech.phones import phone_table
 from mien.speech.streaming_features import COLUMNS, HOP, RATE, StreamingFeatures
-from mien.speech.utterance import PAUSE
+from mien.text.phones import phone_table
 
 RANDOM = np.random.default_rng(2)
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.errors import InputError
+from mien.core.audio import Audio
+from mien.core.errors import InputError
+from mien.formats.sound_files import read_audio
 from mien.speech.pitch import QUIETEST, level_contour, pitch_contour
 
 RATE = 16_000
@@ -97,7 +97,7 @@ def test_frames_of_level_and_pitch_coincide() -> None:
 
 def test_nothing_is_written_in_the_home_folder(tmp_path: Path) -> None:
     program = (
-        "import numpy as np; from mien.audio import Audio; from mien.speech.pitch import pitch_contour;"
+        "import numpy as np; from mien.core.audio import Audio; from mien.speech.pitch import pitch_contour;"
         "pitch_contour(Audio(0.1 * np.sin(np.arange(16000) / 12), 16000))"
     )
     environment = {k: v for k, v in os.environ.items() if k not in ("ORT_DISABLE_TELEMETRY", "XDG_CACHE_HOME")}

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from mien.audio import Audio
+from mien.core.audio import Audio
 from mien.speech.rasta_plp import RATE, STEP, all_pole, bark_weights, cepstrum_of, rasta_plp
 
 Floats = NDArray[np.float64]

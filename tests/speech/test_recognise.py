@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.errors import InputError, MissingPartError
+from mien.core.audio import Audio
+from mien.core.errors import InputError, MissingPartError
+from mien.core.utterance import PAUSE
+from mien.formats.sound_files import read_audio
 from mien.speech import recognise as recognising
-from mien.speech.phones import phone_table
 from mien.speech.recognise import Recogniser, recognise
-from mien.speech.utterance import PAUSE
+from mien.text.phones import phone_table
 
 
 @pytest.mark.data

@@ -8,12 +8,12 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from tests.programs import voice_or_skip
 
 import mien
-from mien.audio import Audio
-from mien.errors import InputError
+from mien.core.audio import Audio
+from mien.core.errors import InputError
 from mien.speech.song import align_song, held_notes, note_on_singing, song_time, without_band
+from tests.programs import voice_or_skip
 
 RATE = 16_000
 TIME = np.arange(4 * RATE) / RATE
@@ -100,8 +100,8 @@ def test_a_song_that_is_taken_for_speech_is_told_and_speech_is_not() -> None:
 
 
 def test_the_tail_of_a_note_belongs_to_its_word() -> None:
+    from mien.core.timeline import Interval, Tier
     from mien.speech.song import _sung_through
-    from mien.timeline import Interval, Tier
 
     sound = 0.3 * np.sin(2 * np.pi * 600 * TIME) * ((TIME > 0.5) & (TIME < 2.0) | (TIME > 3.0))
     phones = Tier("phones", (

@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import pytest
 
-from mien.errors import AlignmentError, InputError
+from mien.core.errors import AlignmentError, InputError
+from mien.core.utterance import PAUSE
 from mien.speech import synthesis
-from mien.speech.pronunciation import pronounce
 from mien.speech.synthesis import synthesise
-from mien.speech.text import spoken_words
-from mien.speech.utterance import PAUSE
+from mien.text.normalisation import spoken_words
+from mien.text.pronunciation import pronounce
 
 
 def test_the_default_voice_speaks_and_is_aligned() -> None:

@@ -29,7 +29,7 @@ from sites import find_sites
 from teeth import Row, build_row
 from tongue import build_tongue
 
-from mien.face.face import Face, Material
+from mien.face.model import Face, Material
 from mien.face.storage import write_face
 
 TEXTURE = 2048

@@ -7,7 +7,7 @@ from makehuman import Floats
 from noise import layered_noise, value_noise
 from sculpt import Sculpt, smoothstep
 
-from mien.face.face import Eye
+from mien.face.model import Eye
 
 IRIS_ANGLE = 0.395  # radians from the optical axis to the rim of the iris
 _PUPIL_SHARE = 0.36  # of the iris's radius

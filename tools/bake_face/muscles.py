@@ -1,4 +1,4 @@
-"""Shapes that FACS asks for and ARKit lacks (`mien.channels.MUSCLES`), on the fine skin.
+"""Shapes that FACS asks for and ARKit lacks (`mien.core.channels.MUSCLES`), on the fine skin.
 
 Where MakeHuman has an expression unit it is taken (nostrils), where an ARKit shape holds what is wanted it is split or
 reshaped (inner brows, sharp corner pull), and the rest is sculpted here (nasolabial furrow, tightened lips). All

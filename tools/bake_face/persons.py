@@ -22,7 +22,7 @@ from sculpt import Sculpt
 from subdivision import clip
 from teeth import Row, build_row
 
-from mien.face.face import Face, Material
+from mien.face.model import Face, Material
 
 LOWEST = -300.0
 HELD_OUT = (

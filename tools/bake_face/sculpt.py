@@ -1,4 +1,4 @@
-"""A mesh under work: dense offsets, double precision; and how it becomes a `mien.face.face.Part`."""
+"""A mesh under work: dense offsets, double precision; and how it becomes a `mien.face.model.Part`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 from makehuman import Floats, Ints
 
-from mien.face.face import Material, Part, Target
+from mien.face.model import Material, Part, Target
 
 _SMALLEST_MOVE = 0.02  # mm: smaller offsets are left out
 

@@ -10,7 +10,7 @@ from subdivision import catmull_clark, triangulate
 
 
 def build_tongue(data: MakeHuman, head: Head) -> Sculpt:
-    """Tongue with its ARKit shapes and those of `mien.channels.TONGUE`."""
+    """Tongue with its ARKit shapes and those of `mien.core.channels.TONGUE`."""
     used, quads = np.unique(np.array(data.groups["helper-tongue"]), return_inverse=True)
     matrix, fine = catmull_clark(len(used), quads.reshape(-1, 4))
     coarse = Sculpt("tongue", head.identity[used], fine, {k: v[used] for k, v in head.units.items()})

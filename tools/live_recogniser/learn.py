@@ -28,12 +28,12 @@ import numpy as np
 from numpy.typing import NDArray
 from variations import RATE, Line, varied
 
-from mien.corpus.corpus import Corpus
-from mien.models.descent import Adam
+from mien.core.utterance import PAUSE
+from mien.corpus.recordings import Corpus
+from mien.motion.mouth.descent import Adam
 from mien.speech.frame_classifier import FrameClassifier
-from mien.speech.phones import phone_table
 from mien.speech.streaming_features import CENTRE, COLUMNS, HOP, StreamingFeatures
-from mien.speech.utterance import PAUSE
+from mien.text.phones import phone_table
 
 ROOT = Path(__file__).parents[2]
 LABELS = (PAUSE, *sorted(phone_table()))

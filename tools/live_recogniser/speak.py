@@ -20,14 +20,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import MienError
+from mien.core.errors import MienError
+from mien.core.utterance import Utterance
 from mien.speech import synthesis
-from mien.speech.phones import phone_table
-from mien.speech.pronunciation import dictionary_entries
-from mien.speech.text import spoken_words
-from mien.speech.utterance import Utterance
 from mien.speech.voices import kokoro
 from mien.speech.voices.catalogue import catalogue
+from mien.text.normalisation import spoken_words
+from mien.text.phones import phone_table
+from mien.text.pronunciation import dictionary_entries
 
 RATE = 16_000
 SCRIPTED = 0.3  # share of lines that are sentences of the recording script

@@ -1,4 +1,4 @@
-// Written by tools/viewer_files.py from mien.channels and src/mien/assets/rigs. Do not edit.
+// Written by tools/viewer_files.py from mien.core.channels and src/mien/assets/rigs. Do not edit.
 export interface Convention {
   title: string; kind: string; needs: number; targets: Readonly<Record<string, Readonly<Record<string, number>>>>;
 }

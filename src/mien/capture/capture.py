@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.knowledge import knowledge
+from mien.capture.layouts import Layout
 from mien.capture.person import Person, fit_person
 from mien.capture.solver import Priors, Solver
-from mien.channels import WEIGHTS
-from mien.corpus.layouts import Layout
-from mien.errors import InputError
-from mien.timeline import FrameRate
-from mien.tracks import ChannelTrack, MarkerTrack
+from mien.core.channels import WEIGHTS
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack, MarkerTrack
 
 __all__ = ["Captured", "Recorded", "capture_take"]
 
@@ -45,7 +45,7 @@ class Captured:
     Attributes
     ----------
     channels : ChannelTrack
-        `mien.channels.WEIGHTS`, 0..1; what markers cannot tell (tongue, gaze) is 0.
+        `mien.core.channels.WEIGHTS`, 0..1; what markers cannot tell (tongue, gaze) is 0.
     sought : tuple of str
         The channels that were solved for.
     person : Person
@@ -104,7 +104,7 @@ def capture_take(
 
     Examples
     --------
-    >>> from mien.corpus.layouts import load_layout
+    >>> from mien.capture.layouts import load_layout
     >>> places = load_layout("mediapipe-218").places
     >>> still = capture_take(np.repeat(places[None], 10, axis=0), "mediapipe-218", 25)
     >>> float(still.channels.values.max()) < 0.05
@@ -153,7 +153,7 @@ def _given(
 
 
 def _from_array(array: Floats, layout: Layout | str | None, fps: float | str | FrameRate | None) -> MarkerTrack:
-    from mien.corpus.layouts import load_layout
+    from mien.capture.layouts import load_layout
 
     if layout is None or fps is None:
         raise InputError("capture: an array of markers needs layout= and fps=")

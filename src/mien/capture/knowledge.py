@@ -12,8 +12,8 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import ARKIT
-from mien.errors import unknown_name
+from mien.core.channels import ARKIT
+from mien.core.errors import unknown_name
 
 __all__ = ["SOURCES", "Knowledge", "Opening", "Region", "Source", "knowledge", "source_named"]
 

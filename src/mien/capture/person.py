@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.cleaning.normalise import best_similarity
 from mien.capture.knowledge import knowledge, source_named
+from mien.capture.layouts import Layout, load_layout
 from mien.capture.openings import Seen, openings_of
-from mien.corpus.cleaning.normalise import best_similarity
-from mien.corpus.layouts import Layout, load_layout
-from mien.errors import InputError
-from mien.face.face import Face
+from mien.core.errors import InputError
+from mien.core.tracks import MarkerTrack
 from mien.face.library import load_face
 from mien.face.marker_sites import place_markers
+from mien.face.model import Face
 from mien.face.retargeting import basis_at
-from mien.tracks import MarkerTrack
 
 __all__ = ["Person", "fit_person", "neutral_markers"]
 

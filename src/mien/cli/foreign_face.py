@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 
 if TYPE_CHECKING:
     from mien.face.foreign.recognition import ForeignFace

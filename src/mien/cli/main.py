@@ -15,19 +15,48 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from mien.cli import evaluate, express, inspect, learn, live, modules, recolor, serve, stimuli, studio
-from mien.cli import face as face_commands
-from mien.cli.corpus import add_corpus_commands
-from mien.cli.emotion import add_emotion_commands
+from mien.cli import (
+    evaluate_command as evaluate,
+)
+from mien.cli import (
+    express_command as express,
+)
+from mien.cli import face_commands
+from mien.cli import (
+    inspect_command as inspect,
+)
+from mien.cli import (
+    learn_command as learn,
+)
+from mien.cli import (
+    live_command as live,
+)
+from mien.cli import (
+    module_commands as modules,
+)
+from mien.cli import (
+    recolor_command as recolor,
+)
+from mien.cli import (
+    serve_command as serve,
+)
+from mien.cli import (
+    stimuli_command as stimuli,
+)
+from mien.cli import (
+    studio_command as studio,
+)
+from mien.cli.corpus_commands import add_corpus_commands
+from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import add_face_option, checked_foreign_face
-from mien.cli.record import add_record_command
+from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
-from mien.errors import InputError, MienError, Note
+from mien.core.errors import InputError, MienError, Note
 
 if TYPE_CHECKING:
-    from mien.animation import Animation
-    from mien.face.face import Face
+    from mien.animation.animation import Animation
     from mien.face.foreign.recognition import ForeignFace
+    from mien.face.model import Face
 
 __all__ = ["main"]
 
@@ -71,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _tell_of_lost_kernels(quiet: bool) -> None:
-    compiled = sys.modules.get("mien.compiled")
+    compiled = sys.modules.get("mien.core.compiled")
     if compiled is not None and not compiled.KEPT and not quiet:
         print(f"mien: note: {compiled.cache_note()}; set NUMBA_CACHE_DIR to a folder of yours", file=sys.stderr)
 
@@ -193,7 +222,7 @@ def _add_language_option(parser: argparse.ArgumentParser) -> None:
 
 
 def _say(options: argparse.Namespace) -> int:
-    from mien import api
+    from mien.api import calls as api
 
     face = _checked_face(options, [options.script, options.edits])
     if (options.text is None) == (options.script is None):
@@ -206,7 +235,7 @@ def _say(options: argparse.Namespace) -> int:
 
 
 def _animate(options: argparse.Namespace) -> int:
-    from mien import api
+    from mien.api import calls as api
 
     if options.voice is not None:
         raise InputError("--voice is for 'mien say'; 'mien animate' keeps the voice that is in the sound")
@@ -226,9 +255,9 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
 
 def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face | ForeignFace:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
-    from mien.face.foreign.document import is_gltf
+    from mien.face.foreign.gltf_document import is_gltf
     from mien.face.library import load_face
-    from mien.output.registry import check_output
+    from mien.formats.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
     foreign = is_gltf(options.face)
@@ -263,7 +292,7 @@ def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> 
 def _finish(animation: Animation, face: Face | ForeignFace, options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
-    from mien import api
+    from mien.api import calls as api
 
     _tell(animation.notes, options.quiet)
     outputs = (options.output, *options.also)
@@ -284,9 +313,9 @@ def _finish(animation: Animation, face: Face | ForeignFace, options: argparse.Na
 
 
 def _align(options: argparse.Namespace) -> int:
-    from mien import api
-    from mien.output.registry import check_output
-    from mien.textgrid import write_textgrid
+    from mien.api import calls as api
+    from mien.formats.registry import check_output
+    from mien.formats.textgrid import write_textgrid
 
     if not options.output.lower().endswith(".textgrid"):
         raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
@@ -302,7 +331,7 @@ def _align(options: argparse.Namespace) -> int:
 
 
 def _doctor(options: argparse.Namespace) -> int:
-    from mien.diagnosis import doctor
+    from mien.api.diagnosis import doctor
 
     report = doctor()
     print(report)

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.animation import Animation, imported
+from mien.animation.animation import Animation, imported
+from mien.api.recoloring import recolor, recolor_markers, shown_markers
+from mien.core.errors import InputError
+from mien.core.files import check_writable, replace_when_complete
+from mien.core.tracks import MarkerTrack
 from mien.corpus.readers import detect
-from mien.corpus.readers.raw import Raw
+from mien.corpus.readers.raw_recordings import Raw
 from mien.corpus.recipes import Recipe
-from mien.errors import InputError
-from mien.files import check_writable, replace_when_complete
-from mien.livelink import read_livelink
-from mien.models.performers import load_performer
-from mien.recolor import recolor, recolor_markers, shown_markers
-from mien.tracks import MarkerTrack
+from mien.formats.livelink import read_livelink
+from mien.motion.performers import load_performer
 
 __all__ = ["is_marker_output", "recolored_file", "write_markers"]
 

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.corpus.cleaning.lag import Lag, lag_from_sound
-from mien.corpus.corpus import Corpus, digest_of
+from mien.capture.cleaning.lag import Lag, lag_from_sound
+from mien.core.errors import InputError
+from mien.core.tracks import MarkerTrack
+from mien.corpus.recordings import Corpus, digest_of
 from mien.corpus.take import Take
-from mien.errors import InputError
-from mien.speech.phones import phone_table
-from mien.speech.plausibility import LOWEST_RUN_SCORE
-from mien.tracks import MarkerTrack
+from mien.speech.transcript_doubts import LOWEST_RUN_SCORE
+from mien.text.phones import phone_table
 
 __all__ = ["CorpusCheck", "Fault", "check_corpus", "faults_of"]
 

@@ -13,16 +13,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mien.corpus.corpus import Corpus
-from mien.corpus.planning import Failure, facts_of, jobs_for, named, references, unused_rows
-from mien.corpus.preparing import Job, prepare_and_write
+from mien.core.errors import InputError, MienError, Note, OutputError
+from mien.core.files import replace_when_complete
+from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
+from mien.corpus.import_preparation import Job, prepare_and_write
 from mien.corpus.readers import detect, reader_named
 from mien.corpus.recipes import Recipe, load_recipe
+from mien.corpus.recordings import Corpus
 from mien.corpus.transcripts import own_table, read_table
 from mien.corpus.workers import each
-from mien.errors import InputError, MienError, Note, OutputError
-from mien.files import replace_when_complete
-from mien.speech.languages import find_language
+from mien.text.languages import find_language
 
 __all__ = ["Failure", "ImportReport", "Progress", "import_corpus"]
 

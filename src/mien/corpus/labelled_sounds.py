@@ -20,7 +20,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from mien.errors import InputError, Note, unknown_name
+from mien.core.errors import InputError, Note, unknown_name
 
 __all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds"]
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.corpus.cleaning.normalise import apply, best_similarity
-from mien.corpus.layouts import Layout
-from mien.errors import InputError, Note
-from mien.tracks import MarkerTrack
+from mien.capture.cleaning.normalise import apply, best_similarity
+from mien.capture.layouts import Layout
+from mien.core.errors import InputError, Note
+from mien.core.tracks import MarkerTrack
 
 __all__ = ["in_layout_order", "upright"]
 

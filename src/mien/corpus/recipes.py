@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from mien.errors import InputError, unknown_name
+from mien.core.errors import InputError, unknown_name
 
 __all__ = ["FIELDS", "METHODS", "REFERENCES", "UNITS", "Recipe", "known_recipes", "load_recipe"]
 

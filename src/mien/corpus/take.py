@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.errors import InputError
-from mien.timeline import Tier
-from mien.tracks import ChannelTrack, MarkerTrack
+from mien.core.audio import Audio
+from mien.core.errors import InputError
+from mien.core.timeline import Tier
+from mien.core.tracks import ChannelTrack, MarkerTrack
 
 __all__ = ["Take"]
 

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from mien.core.errors import InputError, Note, unknown_name
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE
 from mien.corpus.recipes import FIELDS
-from mien.errors import InputError, Note, unknown_name
-from mien.speech.phones import phone_table
-from mien.speech.utterance import PAUSE
-from mien.textgrid import read_textgrid
-from mien.timeline import Interval, Tier
+from mien.formats.textgrid import read_textgrid
+from mien.text.phones import phone_table
 
 __all__ = ["Transcript", "decoded", "own_table", "read_table", "read_transcript"]
 

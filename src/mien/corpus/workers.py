@@ -11,7 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from mien.errors import InputError, MienError, MissingPartError
+from mien.core.errors import InputError, MienError, MissingPartError
 
 __all__ = ["default_workers", "each"]
 

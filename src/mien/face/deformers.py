@@ -3,7 +3,7 @@
 * ``blendshapes``: the morph targets as they are (`mien.face.posing.Poser`);
 * ``tree``: rotations and translations in a tree (`mien.face.parameter_tree`), derived from the targets
   (`mien.face.tree_of_face`) or read from a configuration file;
-* ``regions``: markers spread over the skin by interpolation in blended regions (`mien.face.regions`).
+* ``regions``: markers spread over the skin by interpolation in blended regions (`mien.face.marker_regions`).
 
 A face that moves by a tree keeps targets, too: what each channel does at weight 1. Formats that hold morph targets show
 those; `lost_by_targets` measures what that costs.
@@ -19,9 +19,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.channels import HEAD
-from mien.errors import InputError
-from mien.face.face import Face, Part, Target
+from mien.core.channels import HEAD
+from mien.core.errors import InputError
+from mien.face.model import Face, Part, Target
 from mien.face.parameter_tree import ParameterTree
 from mien.face.posing import PosedFace, Poser
 from mien.face.tree_posing import TreePoser
@@ -81,7 +81,7 @@ def deformed_by(face: Face, deformer: str | Path) -> Face:
 
         return with_tree(face, tree_of_face(face))
     if deformer == "regions":
-        from mien.face.regions import face_by_regions
+        from mien.face.marker_regions import face_by_regions
 
         return face_by_regions(face)
     raise InputError(f"unknown deformer {str(deformer)!r}: known: {', '.join(DEFORMERS)}, or a file ending in .tree")

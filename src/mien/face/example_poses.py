@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.obj import MESH, Mesh, read_obj
 from mien.face.parameter_tree import ParameterTree
 from mien.face.tree_of_face import translations_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-from mien.errors import unknown_name
-from mien.face.face import Face
+from mien.core.errors import unknown_name
+from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
 from mien.face.storage import read_face
 

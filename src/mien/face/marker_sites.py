@@ -25,9 +25,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import ARKIT
-from mien.errors import InputError
-from mien.face.face import Face, Part
+from mien.core.channels import ARKIT
+from mien.core.errors import InputError
+from mien.face.model import Face, Part
 
 __all__ = [
     "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "load_marker_places", "place_markers", "skin_of",
@@ -51,7 +51,7 @@ _FARTHEST = 25.0  # mm in the default face's size: a place that lands farther of
 
 
 class MarkerPlaces(Protocol):
-    """What is asked of a layout, which `mien.corpus.layouts.Layout` has."""
+    """What is asked of a layout, which `mien.capture.layouts.Layout` has."""
 
     @property
     def name(self) -> str:
@@ -105,7 +105,7 @@ class Placed:
 
 
 def load_marker_places(layout: str) -> MarkerPlaces:
-    """Places of a layout that comes with mien, without the rest of it (`mien.corpus.layouts` knows groups too).
+    """Places of a layout that comes with mien, without the rest of it (`mien.capture.layouts` knows groups too).
 
     Examples
     --------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.face.face import Face, Part
+from mien.face.model import Face, Part
 
 __all__ = ["mesh_notes"]
 

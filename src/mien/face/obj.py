@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.errors import InputError
-from mien.face.face import Face, Material, Part
-from mien.files import replace_when_complete
+from mien.core.errors import InputError
+from mien.core.files import replace_when_complete
+from mien.face.model import Face, Material, Part
 
 __all__ = ["MESH", "Mesh", "face_of_mesh", "read_obj", "write_obj"]
 

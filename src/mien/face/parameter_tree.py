@@ -33,7 +33,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 
 __all__ = ["Influence", "Parameter", "ParameterTree", "rotation_matrix", "translation_matrix"]
 

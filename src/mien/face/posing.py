@@ -20,10 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.channels import ALL
-from mien.compiled import njit
-from mien.errors import InputError, unknown_name
-from mien.face.face import Eye, Face, Part, Target
+from mien.core.channels import ALL
+from mien.core.compiled import njit
+from mien.core.errors import InputError, unknown_name
+from mien.face.model import Eye, Face, Part, Target
 
 __all__ = ["PosedFace", "PosedPart", "Poser", "eye_rotation", "head_rotation", "pose_reference", "welded_vertices"]
 
@@ -43,7 +43,7 @@ def head_rotation(yaw: float, pitch: float, roll: float) -> Matrix:
     ----------
     yaw, pitch, roll : float
         Degrees; positive turns to the speaker's left, looks up, tips to the speaker's left shoulder. Intrinsic, in
-        this order (`mien.channels`).
+        this order (`mien.core.channels`).
 
     Returns
     -------
@@ -134,7 +134,7 @@ class Poser:
     Raises
     ------
     InputError
-        If a name is neither in `mien.channels.ALL` nor a target of the face, or repeats.
+        If a name is neither in `mien.core.channels.ALL` nor a target of the face, or repeats.
     """
 
     def __init__(self, face: Face, channel_names: Sequence[str]) -> None:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve, solveh_banded
 from scipy.spatial.distance import cdist
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 
 __all__ = ["RbfRetargeter", "sampled_pairs", "steadied"]
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.compiled import njit
-from mien.errors import InputError
-from mien.face.face import Face
+from mien.core.compiled import njit
+from mien.core.errors import InputError
+from mien.face.model import Face
 
 __all__ = ["Retargeted", "Retargeter"]
 

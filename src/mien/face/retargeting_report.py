@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 
 __all__ = ["AmbiguousChannel", "RegionResidual", "ambiguous_channels", "residual_by_region"]
 

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from mien.errors import InputError
-from mien.face.face import Eye, Face, Material, Part, Target
-from mien.files import replace_when_complete
+from mien.core.errors import InputError
+from mien.core.files import replace_when_complete
+from mien.face.model import Eye, Face, Material, Part, Target
 
 __all__ = ["read_face", "write_face"]
 

@@ -29,10 +29,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
+from mien.core.files import replace_when_complete
 from mien.face.parameter_tree import Influence, Parameter, ParameterTree, tree_faults
 from mien.face.tree_regions import REGIONS, Listed, Region, read_number, read_three
-from mien.files import replace_when_complete
 
 __all__ = ["TreeConfig", "check_tree", "parse_tree", "read_tree", "tree_text", "write_tree"]
 

@@ -24,7 +24,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.parameter_tree import KINDS, ParameterTree
 from mien.face.tree_config import HEADER, TreeConfig, Vertices, check_tree, parse_tree, tree_text
 from mien.face.tree_regions import Everywhere, Listed, Region, Side, Sphere, spelt

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import ALL, HEAD
-from mien.face.face import Eye, Face
+from mien.core.channels import ALL, HEAD
+from mien.face.model import Eye, Face
 from mien.face.parameter_tree import Influence, Parameter, ParameterTree
 
 __all__ = ["KEPT", "Screw", "jaw_motion", "translations_of", "tree_of_face"]
@@ -184,7 +184,7 @@ def _rest(face: Face) -> Fields:
 
 
 def _fields(face: Face) -> dict[str, Fields]:
-    """Dense offsets of every target, by channel in the order of `mien.channels.ALL`, then by part."""
+    """Dense offsets of every target, by channel in the order of `mien.core.channels.ALL`, then by part."""
     names = {name for part in face.parts for name in part.targets}
     found: dict[str, Fields] = {}
     for name in [*(n for n in ALL if n in names), *sorted(names - set(ALL))]:

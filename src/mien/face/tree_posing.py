@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.channels import ALL
-from mien.compiled import njit
-from mien.errors import InputError, unknown_name
-from mien.face.face import Face, Part
-from mien.face.facs import au_channels, is_unit
+from mien.core.channels import ALL
+from mien.core.compiled import njit
+from mien.core.errors import InputError, unknown_name
+from mien.core.facs import au_channels, is_unit
+from mien.face.model import Face, Part
 from mien.face.parameter_tree import ParameterTree
 from mien.face.posing import PosedFace, PosedPart, shade, welded_vertices
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mien.channels import ALL
-from mien.face.face import Face
-from mien.face.facs import is_unit
+from mien.core.channels import ALL
+from mien.core.facs import is_unit
+from mien.face.model import Face
 from mien.face.parameter_tree import ParameterTree
 
 __all__ = ["tree_report"]

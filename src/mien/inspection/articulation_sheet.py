@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from mien.core.files import replace_when_complete
 from mien.face.deformers import with_tree
-from mien.face.face import Face
+from mien.face.model import Face
 from mien.face.parameter_tree import ParameterTree
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
 from mien.face.tree_posing import TreePoser
-from mien.files import replace_when_complete
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
 
 __all__ = ["draw_articulation"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image
 
-from mien.models.articulation import articulation_table
-from mien.models.coverage import Coverage
-from mien.plotting import GRID, INK, PAPER, Colour, Figure
-from mien.speech.utterance import PAUSE
+from mien.core.plotting import GRID, INK, PAPER, Colour, Figure
+from mien.core.utterance import PAUSE
+from mien.motion.mouth.articulation import articulation_table
+from mien.motion.mouth.coverage import Coverage
 
 __all__ = ["draw_coverage"]
 

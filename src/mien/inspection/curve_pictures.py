@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from mien.errors import InputError
-from mien.models.articulation import articulation_table
-from mien.models.coarticulation import Coarticulation
-from mien.models.curves import PENALTIES, Curves
-from mien.models.performer_file import LearnedSpeech
-from mien.plotting import COLOURS, GRID, INK, Colour, Figure, Panel
-from mien.speech.utterance import PAUSE
+from mien.core.errors import InputError
+from mien.core.plotting import COLOURS, GRID, INK, Colour, Figure, Panel
+from mien.core.utterance import PAUSE
+from mien.motion.mouth.articulation import articulation_table
+from mien.motion.mouth.coarticulation import Coarticulation
+from mien.motion.mouth.influence_curves import PENALTIES, Curves
+from mien.motion.performer_file import LearnedSpeech
 
 __all__ = ["draw_curves", "draw_fitting_cost", "most_heard", "read_sequence"]
 

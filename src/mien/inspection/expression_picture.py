@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from mien.models.expression_space import RATE, ExpressionSpace
-from mien.plotting import COLOURS, GRID, INK, Colour, Figure, Panel, tick_step
+from mien.core.plotting import COLOURS, GRID, INK, Colour, Figure, Panel, tick_step
+from mien.motion.expression.expression_space import RATE, ExpressionSpace
 
 __all__ = ["draw_expression_space", "kept_variance"]
 

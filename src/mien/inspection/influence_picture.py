@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from mien.core.plotting import COLOURS, GRID, INK, Colour, Figure, Panel, tick_step
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE
 from mien.inspection.shares import phones_of_text
-from mien.models.articulation import articulation_table, parts_of
-from mien.models.influence import influence_of
-from mien.models.learned_mouth import CLARITY
-from mien.models.speech_motion import SpeechMotion
-from mien.plotting import COLOURS, GRID, INK, Colour, Figure, Panel, tick_step
-from mien.speech.utterance import PAUSE
-from mien.timeline import Interval, Tier
+from mien.motion.mouth.articulation import articulation_table, parts_of
+from mien.motion.mouth.influence import influence_of
+from mien.motion.mouth.learned_mouth import CLARITY
+from mien.motion.mouth.speech_motion import SpeechMotion
 
 __all__ = ["PHONE_LENGTH", "draw_influence", "evenly_spoken"]
 
@@ -48,7 +48,8 @@ def draw_influence(motion: SpeechMotion, text: str) -> Image.Image:
     """Draw how strongly each part of speech pulls over time, and the lip opening that results.
 
     From above: the influence over all strands of the motion, each weighed by how far it moves the mouth; the same as
-    it blends key shapes on a face (`mien.models.learned_mouth.CLARITY`); the strands that move the mouth most; lip
+    it blends key shapes on a face (`mien.motion.mouth.learned_mouth.CLARITY`); the strands that move the mouth most;
+    lip
     opening.
 
     Raises

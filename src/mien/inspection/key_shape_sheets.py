@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from mien import channels
-from mien.face.face import Face
+from mien.core import channels
+from mien.core.timeline import FrameRate
+from mien.core.utterance import PAUSE
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.face.posing import Poser
-from mien.models.articulation import articulation_table
-from mien.models.learned_mouth import LearnedMouth
-from mien.models.performer_file import LearnedSpeech
-from mien.output.contact_sheet import contact_sheet
-from mien.render.camera import Camera
-from mien.render.renderer import Renderer
-from mien.speech.utterance import PAUSE
-from mien.timeline import FrameRate
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
+from mien.formats.contact_sheet import contact_sheet
+from mien.motion.mouth.articulation import articulation_table
+from mien.motion.mouth.learned_mouth import LearnedMouth
+from mien.motion.performer_file import LearnedSpeech
 
 __all__ = ["KeyShapes"]
 

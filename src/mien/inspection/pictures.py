@@ -7,16 +7,16 @@ from functools import cache, partial
 
 from PIL import Image
 
-from mien.face.face import Face
+from mien.core.utterance import PAUSE
+from mien.face.model import Face
 from mien.inspection.coverage_picture import draw_coverage
 from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_heard, read_sequence
 from mien.inspection.expression_picture import draw_expression_space
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
 from mien.inspection.summary import heard_phones
-from mien.models.authored_performance import authored_space
-from mien.models.performer_file import LearnedSpeech
-from mien.speech.utterance import PAUSE
+from mien.motion.expression.hand_made_performance import authored_space
+from mien.motion.performer_file import LearnedSpeech
 
 __all__ = ["DEFAULT_WORD", "Picture", "pictures_of"]
 

@@ -10,12 +10,12 @@ from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
-from mien.errors import InputError
-from mien.models.coarticulation import plan
-from mien.models.performer_file import LearnedSpeech
-from mien.speech.pronunciation import pronounce
-from mien.speech.text import spoken_words
-from mien.speech.utterance import PAUSE
+from mien.core.errors import InputError
+from mien.core.utterance import PAUSE
+from mien.motion.mouth.coarticulation import plan
+from mien.motion.performer_file import LearnedSpeech
+from mien.text.normalisation import spoken_words
+from mien.text.pronunciation import pronounce
 
 __all__ = ["EVIDENCE", "PairShares", "ordinary_english", "phones_of_text", "read_sentences", "share_of_pairs"]
 

@@ -8,13 +8,13 @@ from dataclasses import asdict
 from textwrap import wrap
 from typing import Any
 
+from mien.core.utterance import PAUSE
 from mien.inspection.shares import EVIDENCE, PairShares
-from mien.models.articulation import articulation_table
-from mien.models.coverage import Coverage
-from mien.models.curves import PENALTIES
-from mien.models.em_pca import EMPCA
-from mien.models.performer_file import LearnedSpeech
-from mien.speech.utterance import PAUSE
+from mien.motion.em_pca import EMPCA
+from mien.motion.mouth.articulation import articulation_table
+from mien.motion.mouth.coverage import Coverage
+from mien.motion.mouth.influence_curves import PENALTIES
+from mien.motion.performer_file import LearnedSpeech
 
 __all__ = ["heard_phones", "summary", "table_of_shares"]
 

@@ -15,15 +15,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import HEAD, WEIGHTS
-from mien.corpus.cleaning.normalise import least_squares
-from mien.corpus.layouts import Layout, find_layout, load_layout
+from mien.capture.cleaning.normalise import least_squares
+from mien.capture.layouts import Layout, find_layout, load_layout
+from mien.core.channels import HEAD, WEIGHTS
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate, Tier
+from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.take import Take
-from mien.errors import InputError
 from mien.face.library import load_face
 from mien.face.marker_sites import load_marker_places, place_markers
-from mien.timeline import FrameRate, Tier
-from mien.tracks import ChannelTrack, MarkerTrack
 
 __all__ = ["LANDMARKS", "FaceTrack", "landmark_names", "shown_landmarks"]
 
@@ -46,7 +46,7 @@ class FaceTrack:
     landmarks : MarkerTrack
         In the axes of the head, mm; NaN where one was not seen.
     head : ndarray, shape (frames, 3), or None
-        Yaw, pitch and roll in degrees (`mien.channels.HEAD`); None where the head's motion is not known.
+        Yaw, pitch and roll in degrees (`mien.core.channels.HEAD`); None where the head's motion is not known.
     channels : ChannelTrack or None
         The 0..1 weights, where the motion came as such.
     phones, words : Tier or None
@@ -182,7 +182,7 @@ def shown_landmarks(channels: ChannelTrack) -> MarkerTrack:
     """Where the landmarks of the default face are when channels move it, the head held still.
 
     The skin is posed linearly, so that the landmarks need no more of the mesh than their own vertices: the same places
-    as `mien.output.c3d.face_markers` gives, thousands of times faster.
+    as `mien.formats.c3d.face_markers` gives, thousands of times faster.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 Conventions
 -----------
-* The mouth is 48 landmarks: outer lips, inner lips and chin (`mien.evaluate.sites`), or what of them both have.
+* The mouth is 48 landmarks: outer lips, inner lips and chin (`mien.metrics.sites`), or what of them both have.
 * Lip opening is the distance of the middles of the inner lips (landmarks 13 and 14), width that of the corners (61 and
   291), both seen from the front: depth is left out, since a tracker hardly sees it.
 * One constant offset per landmark is removed before distances are taken, since two faces differ at rest; it is given
@@ -14,10 +14,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.corpus.layouts import load_layout
-from mien.evaluate.sites import Sites, mouth_sites
+from mien.capture.layouts import load_layout
 from mien.metrics.face_track import LANDMARKS, FaceTrack
 from mien.metrics.pairing import Pair, agreement, constant_offset, frontal, paired
+from mien.metrics.sites import Sites, mouth_sites
 
 __all__ = ["evaluate", "mouth_pair", "validate"]
 
@@ -86,8 +86,8 @@ def evaluate(
 
     Examples
     --------
-    >>> from mien.timeline import FrameRate
-    >>> from mien.tracks import ChannelTrack
+    >>> from mien.core.timeline import FrameRate
+    >>> from mien.core.tracks import ChannelTrack
     >>> jaw = 0.3 + 0.2 * np.sin(np.arange(50) / 2)
     >>> one, other = (
     ...     FaceTrack.of_channels(ChannelTrack(("jawOpen",), curve[:, None], FrameRate.of(25)))

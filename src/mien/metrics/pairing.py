@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
-from mien.evaluate.takes import MARGIN
-from mien.evaluate.trajectory import correlation, velocity
+from mien.core.errors import InputError
+from mien.core.timeline import Tier
+from mien.core.utterance import PAUSE
 from mien.metrics.face_track import FaceTrack
-from mien.speech.utterance import PAUSE
-from mien.timeline import Tier
+from mien.metrics.scored_takes import MARGIN
+from mien.metrics.trajectory import correlation, velocity
 
 __all__ = ["Pair", "agreement", "constant_offset", "frontal", "paired", "speech_frames"]
 

@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.errors import AlignmentError, InputError, Note
+from mien.core.audio import Audio
+from mien.core.errors import AlignmentError, InputError, Note
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE, Utterance
 from mien.speech.decoder import RATE, DecodedPhone, DecodedWord, DecoderError, Piece, decode, pcm16
-from mien.speech.languages import Language, find_language, heard_as, in_english_phones, native_tier
-from mien.speech.languages.detection import note_on_language
-from mien.speech.languages.language import ENGLISH
-from mien.speech.pronunciation import Pronunciation, pronunciations
-from mien.speech.text import SpokenWord, spoken_words
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import Interval, Tier
+from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
+from mien.text.languages.language import ENGLISH
+from mien.text.languages.language_detection import note_on_language
+from mien.text.normalisation import SpokenWord, spoken_words
+from mien.text.pronunciation import Pronunciation, pronunciations
 
 __all__ = ["AlignedPhone", "align", "align_pieces", "align_words", "choices_of", "name_words", "tiers"]
 
@@ -66,7 +66,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     text : str
         What is said, as one writes it: numbers and abbreviations are read as `spoken_words` reads them.
     language : str or Path
-        BCP 47 tag: English (``"en"`` or ``"en-..."``) or one of `mien.speech.languages.known_languages`; or a phone map
+        BCP 47 tag: English (``"en"`` or ``"en-..."``) or one of `mien.text.languages.known_languages`; or a phone map
         of another language, ``"X.toml"``. Another language is aligned with the English acoustic model through its map.
 
     Returns
@@ -85,7 +85,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     AlignmentError
         If no alignment was found.
     """
-    from mien.speech.plausibility import LOWEST_RUN_SCORE, LOWEST_RUN_SCORE_THROUGH_A_MAP, doubts
+    from mien.speech.transcript_doubts import LOWEST_RUN_SCORE, LOWEST_RUN_SCORE_THROUGH_A_MAP, doubts
 
     other = find_language(language)
     if audio.duration < _SHORTEST_SOUND:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
+from mien.core.audio import Audio
 
 __all__ = ["cepstral_features"]
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.speech.pronunciation import Pronunciation
+from mien.core.audio import Audio
+from mien.text.pronunciation import Pronunciation
 
 __all__ = ["RATE", "DecodedPhone", "DecodedWord", "DecoderError", "Piece", "decode", "pcm16", "transcribe"]
 

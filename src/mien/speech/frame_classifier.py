@@ -15,7 +15,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 
 __all__ = ["FrameClassifier", "Layer", "default_classifier"]
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE
 from mien.speech.frame_classifier import FrameClassifier, default_classifier
 from mien.speech.streaming_features import CENTRE, COLUMNS, HOP, RATE, StreamingFeatures
-from mien.speech.utterance import PAUSE
-from mien.timeline import Interval, Tier
 
 __all__ = ["DecodingSettings", "PhoneStream"]
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.audio import Audio
-from mien.errors import InputError
+from mien.core.audio import Audio
+from mien.core.errors import InputError
 from mien.speech.onnx_runtime import forbid_telemetry
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
+from mien.core.audio import Audio
 
 __all__ = ["CEPSTRA", "RATE", "STEP", "WINDOW", "RastaPLP", "all_pole", "bark_weights", "cepstrum_of", "rasta_plp"]
 

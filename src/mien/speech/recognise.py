@@ -17,13 +17,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.errors import AlignmentError, InputError, MissingPartError, Note
+from mien.core.audio import Audio
+from mien.core.errors import AlignmentError, InputError, MissingPartError, Note
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align_pieces, name_words, tiers
 from mien.speech.decoder import RATE, DecoderError, Piece, decode, pcm16, transcribe
-from mien.speech.pronunciation import Pronunciation, dictionary_entries, pronunciations
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import Interval, Tier
+from mien.text.pronunciation import Pronunciation, dictionary_entries, pronunciations
 
 __all__ = ["recognise", "recogniser_at_hand"]
 

@@ -21,13 +21,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.errors import Note
+from mien.core.audio import Audio
+from mien.core.errors import Note
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align
-from mien.speech.languages.language import ENGLISH
-from mien.speech.reshaping import stretched
-from mien.speech.utterance import PAUSE, Utterance
-from mien.timeline import Interval, Tier
+from mien.speech.sound_reshaping import stretched
+from mien.text.languages.language import ENGLISH
 
 __all__ = ["align_song", "held_notes", "note_on_singing", "song_time", "without_band"]
 

@@ -8,17 +8,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
-from mien.audio import Audio
-from mien.errors import AlignmentError, Note
+from mien.core.audio import Audio
+from mien.core.errors import AlignmentError, Note
+from mien.core.timeline import Tier
+from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import AlignedPhone, align_words, tiers
-from mien.speech.languages import Language, find_language, heard_as, in_english_phones, native_tier
-from mien.speech.languages.detection import note_on_language
-from mien.speech.pronunciation import Pronunciation, pronounce, pronunciations
-from mien.speech.text import SpokenText, spoken_words
-from mien.speech.utterance import PAUSE, Utterance
 from mien.speech.voices import Speech, Voice, get_voice
 from mien.speech.voices.voice import Break
-from mien.timeline import Tier
+from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
+from mien.text.languages.language_detection import note_on_language
+from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.pronunciation import Pronunciation, pronounce, pronunciations
 
 __all__ = ["synthesise"]
 

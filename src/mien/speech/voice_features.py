@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
+from mien.core.audio import Audio
 from mien.speech.pitch import PitchContour, level_contour, pitch_contour
 
 __all__ = ["SpeechFrames", "analyse", "voice_features"]

@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.zoo import ZOO
 
 from mien.cli.main import main
-from mien.errors import InputError, MienError
-from mien.face.foreign.document import read_gltf
+from mien.core.errors import InputError, MienError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
 from mien.face.foreign.drawn import drawn_face
-from mien.face.foreign.names import own_names
+from mien.face.foreign.foreign_report import face_report
+from mien.face.foreign.gltf_document import read_gltf
 from mien.face.foreign.recognition import foreign_face
-from mien.face.foreign.report import face_report
-from mien.output.driven_glb import drive_glb
-from mien.timeline import FrameRate
-from mien.tracks import ChannelTrack
+from mien.face.foreign.rig_names import own_names
+from mien.formats.driven_glb import drive_glb
+from tests.zoo import ZOO
 
 TRACK = ChannelTrack(("jawOpen", "headYaw"), [[0.0, 0.0], [0.5, 9.0]], FrameRate.of(30))
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.zoo import encoded
 
 from mien.face.foreign.meshopt import decoded
+from tests.zoo import encoded
 
 CASES = json.loads((Path(__file__).parent / "meshopt_cases.json").read_text(encoding="utf-8"))
 

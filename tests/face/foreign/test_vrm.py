@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mien.errors import InputError
-from mien.face.foreign.document import GltfDocument
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
+from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.recognition import ForeignFace, foreign_face
-from mien.timeline import FrameRate
-from mien.tracks import ChannelTrack
 
 ORDER = ("aa", "ou", "happy", "angry", "lookLeft", "lookRight", "blinkLeft")
 

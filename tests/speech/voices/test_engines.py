@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from mien.errors import MissingPartError
-from mien.speech.text import spoken_words
+from mien.core.errors import MissingPartError
+from mien.core.external_program import run_program
 from mien.speech.voices import catalogue
-from mien.speech.voices.onnx import open_network, open_parts, read_model
-from mien.speech.voices.programs import run_program
+from mien.speech.voices.onnx_voice import open_network, open_parts, read_model
+from mien.text.normalisation import spoken_words
 
 
 @pytest.mark.parametrize("model", [b"", b"junk", b":\x06b\x04\n\x02/a"])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.programs import voice_or_skip
 
-from mien.errors import InputError
-from mien.models.authored_mouth import AuthoredMouth
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth
 from mien.speech.align import align
 from mien.speech.synthesis import synthesise
 from mien.speech.voices import get_voice
-from mien.timeline import FrameRate
+from tests.programs import voice_or_skip
 
 TEXT = "Hyvää yötä, pappi! Tapaan kuningattaren Åbossa."
 
@@ -66,7 +66,7 @@ def test_the_sound_of_finnish_is_aligned_with_its_text() -> None:
 
 
 def test_a_voice_speaks_one_language() -> None:
-    from mien.speech.languages import find_language
+    from mien.text.languages import find_language
 
     with pytest.raises(InputError, match="speaks English, not Finnish"):
         get_voice("kokoro-heart", find_language("fi"))

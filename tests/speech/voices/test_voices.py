@@ -8,17 +8,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mien.errors import InputError, MissingPartError
-from mien.speech.phones import phone_table
-from mien.speech.text import spoken_words
-from mien.speech.utterance import PAUSE
+from mien.core.errors import InputError, MissingPartError
+from mien.core.timeline import Interval
+from mien.core.utterance import PAUSE
 from mien.speech.voices import DEFAULT_VOICE, Speech, Voice, catalogue, get_voice
 from mien.speech.voices.espeak import words_in_time
 from mien.speech.voices.festival import scheme_string
-from mien.speech.voices.joining import LEVEL
 from mien.speech.voices.kokoro import Kokoro
 from mien.speech.voices.sentences import Word
-from mien.timeline import Interval
+from mien.speech.voices.sound_joining import LEVEL
+from mien.text.normalisation import spoken_words
+from mien.text.phones import phone_table
 
 TEXT = "Of the 2 of them, Bob's boat isn't better. Is it - or was it?"
 

@@ -4,9 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mien.corpus.readers import c3d, grid, livelink, tracks, video
-from mien.corpus.readers.raw import Found, Raw, Reader
-from mien.errors import InputError, unknown_name
+from mien.core.errors import InputError, unknown_name
+from mien.corpus.readers import (
+    c3d_recordings as c3d,
+)
+from mien.corpus.readers import (
+    grid_recordings as grid,
+)
+from mien.corpus.readers import (
+    livelink_recordings as livelink,
+)
+from mien.corpus.readers import (
+    marker_tables as tracks,
+)
+from mien.corpus.readers import (
+    video_recordings as video,
+)
+from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 
 __all__ = ["READERS", "Found", "Raw", "Reader", "detect", "reader_named"]
 

@@ -18,10 +18,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
+from mien.core.audio import Audio
+from mien.core.errors import InputError, MissingPartError, Note, OutputError
 from mien.corpus.recording.folder import writing
 from mien.corpus.recording.scripts import Line
-from mien.errors import InputError, MissingPartError, Note, OutputError
 
 __all__ = ["Camera", "CameraDevice", "Devices", "Microphone", "MicrophoneDevice", "open_devices"]
 

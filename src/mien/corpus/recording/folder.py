@@ -21,9 +21,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from mien.core.errors import InputError, OutputError
+from mien.core.files import replace_when_complete
 from mien.corpus.transcripts import read_table
-from mien.errors import InputError, OutputError
-from mien.files import replace_when_complete
 
 __all__ = ["COLUMNS", "SessionFolder", "plain_name", "writing"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.audio import Audio
-from mien.errors import Note
+from mien.core.audio import Audio
+from mien.core.errors import Note
 
 __all__ = ["Levels", "level_notes", "measure_levels"]
 

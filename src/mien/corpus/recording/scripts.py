@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
+from mien.core.errors import InputError, unknown_name
 from mien.corpus.transcripts import decoded
-from mien.errors import InputError, unknown_name
 
 __all__ = ["LANGUAGES", "Line", "read_script"]
 

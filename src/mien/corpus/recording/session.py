@@ -18,12 +18,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from mien.corpus.readers.files import VIDEO
+from mien.core.errors import InputError, Note
+from mien.corpus.readers.recording_files import VIDEO
 from mien.corpus.recording.folder import SessionFolder, plain_name
 from mien.corpus.recording.levels import level_notes, measure_levels
 from mien.corpus.recording.scripts import Line
 from mien.corpus.recording.sources import MOTION, Source, sound_of
-from mien.errors import InputError, Note
 
 __all__ = ["Console", "Plan", "Session", "SessionReport"]
 

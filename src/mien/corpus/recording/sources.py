@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from mien.audio import Audio
-from mien.audio_files import read_audio
-from mien.corpus.readers.files import SOUND, VIDEO
+from mien.core.audio import Audio
+from mien.core.errors import InputError
+from mien.corpus.readers.recording_files import SOUND, VIDEO
 from mien.corpus.recording.folder import writing
 from mien.corpus.recording.scripts import Line
-from mien.errors import InputError
-from mien.media import open_media
+from mien.formats.media import open_media
+from mien.formats.sound_files import read_audio
 
 __all__ = ["MOTION", "PreparedFolder", "Source", "sound_of"]
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
-from mien.face.foreign.document import GltfDocument
+from mien.core.errors import InputError
+from mien.face.foreign.gltf_document import GltfDocument
 
 __all__ = ["AccessorReader"]
 

@@ -1,4 +1,4 @@
-"""A foreign face as a `mien.face.face.Face`: for the renderer, and for whatever else wants meshes.
+"""A foreign face as a `mien.face.model.Face`: for the renderer, and for whatever else wants meshes.
 
 The scene is taken at rest, skins and nodes applied, and brought to mien's axes: millimetres, looking along +z, the
 origin between the eyes. Its morph targets keep their own names (`DrawnFace.track` says how they move); the head turns
@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import HEAD
-from mien.errors import InputError
-from mien.face.face import Eye, Face, Part, Target
+from mien.core.channels import HEAD
+from mien.core.errors import InputError
+from mien.core.tracks import ChannelTrack
 from mien.face.foreign.accessors import AccessorReader
 from mien.face.foreign.materials import Surface, SurfaceReader
-from mien.face.foreign.nodes import world_matrices
 from mien.face.foreign.primitives import Piece, pieces_of_node
 from mien.face.foreign.recognition import ForeignFace
-from mien.tracks import ChannelTrack
+from mien.face.foreign.rig_nodes import world_matrices
+from mien.face.model import Eye, Face, Part, Target
 
 __all__ = ["DrawnFace", "drawn_face", "not_drawn"]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
-from mien.face.face import Material
-from mien.face.foreign.document import GltfDocument
+from mien.core.errors import InputError
+from mien.face.foreign.gltf_document import GltfDocument
+from mien.face.model import Material
 
 __all__ = ["Surface", "SurfaceReader", "srgb"]
 

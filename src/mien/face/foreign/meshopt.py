@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.compiled import njit
+from mien.core.compiled import njit
 
 __all__ = ["decoded"]
 

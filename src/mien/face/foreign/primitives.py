@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.core.errors import InputError
 from mien.face.foreign.accessors import AccessorReader
 from mien.face.foreign.materials import Surface, SurfaceReader, srgb
-from mien.face.foreign.names import name_tables, spelling
 from mien.face.foreign.recognition import ForeignFace
+from mien.face.foreign.rig_names import name_tables, spelling
 
 __all__ = ["Piece", "pieces_of_node"]
 

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.channels import MOUTH, TONGUE
-from mien.errors import InputError
-from mien.face.foreign.document import GltfDocument, read_gltf
-from mien.face.foreign.names import KINDS, Match, OwnNames, name_tables, own_names, recognised, words
-from mien.face.foreign.nodes import Turning, turning_nodes
+from mien.core.channels import MOUTH, TONGUE
+from mien.core.errors import InputError
+from mien.core.tracks import ChannelTrack
+from mien.face.foreign.gltf_document import GltfDocument, read_gltf
+from mien.face.foreign.rig_names import KINDS, Match, OwnNames, name_tables, own_names, recognised, words
+from mien.face.foreign.rig_nodes import Turning, turning_nodes
 from mien.face.foreign.vrm import VrmExpression, is_vrm, vrm_expressions, vrm_gaze_by_shapes
-from mien.tracks import ChannelTrack
 
 __all__ = ["Drive", "DrivenMesh", "DrivenTarget", "ForeignFace", "foreign_face"]
 

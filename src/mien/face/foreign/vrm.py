@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mien.errors import InputError
-from mien.face.foreign.document import GltfDocument
+from mien.core.errors import InputError
+from mien.face.foreign.gltf_document import GltfDocument
 
 __all__ = ["VrmExpression", "is_vrm", "vrm_bones", "vrm_expressions", "vrm_eye_degrees", "vrm_gaze_by_shapes"]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 
-from mien.errors import InputError, MissingPartError, unknown_name
-from mien.speech.languages import Language
+from mien.core.errors import InputError, MissingPartError, unknown_name
 from mien.speech.voices.espeak import Espeak, EspeakLanguage, espeak_languages
 from mien.speech.voices.festival import festival_voices
 from mien.speech.voices.kokoro import Kokoro
 from mien.speech.voices.piper import Piper
 from mien.speech.voices.voice import Voice
+from mien.text.languages import Language
 
 __all__ = ["DEFAULT_VOICE", "catalogue", "get_voice"]
 
@@ -51,7 +51,7 @@ def get_voice(name: str | None = None, language: Language | None = None) -> Voic
     >>> get_voice("kokoro-hart")
     Traceback (most recent call last):
         ...
-    mien.errors.InputError: unknown voice 'kokoro-hart': did you mean 'kokoro-heart'? known: ...
+    mien.core.errors.InputError: unknown voice 'kokoro-hart': did you mean 'kokoro-heart'? known: ...
     """
     voices = {voice.name: voice for voice in catalogue()}
     if language is not None and language.espeak:

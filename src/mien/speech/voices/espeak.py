@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from mien.speech.languages import Language, find_language, known_languages
-from mien.speech.utterance import PAUSE
-from mien.speech.voices.espeak_program import HINT, ask_espeak, espeak_library
-from mien.speech.voices.joining import Piece, join_pieces
+from mien.core.timeline import Interval
+from mien.core.utterance import PAUSE
 from mien.speech.voices.sentences import Sentence, Word
+from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
-from mien.timeline import Interval
+from mien.text.languages import Language, find_language, known_languages
+from mien.text.languages.espeak_program import HINT, ask_espeak, espeak_library
 
 __all__ = ["Espeak", "EspeakLanguage", "espeak_languages", "words_in_time"]
 

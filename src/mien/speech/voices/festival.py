@@ -16,14 +16,14 @@ from typing import Any
 
 import soundfile
 
-from mien.errors import InputError, MissingPartError, Note
-from mien.speech.languages import find_language
-from mien.speech.text import SpokenText
-from mien.speech.voices.joining import Piece, join_pieces
-from mien.speech.voices.programs import run_program
+from mien.core.errors import InputError, MissingPartError, Note
+from mien.core.external_program import run_program
+from mien.core.timeline import Interval
 from mien.speech.voices.sentences import Sentence
+from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
-from mien.timeline import Interval
+from mien.text.languages import find_language
+from mien.text.normalisation import SpokenText
 
 __all__ = ["Festival", "festival_voices", "scheme_string"]
 

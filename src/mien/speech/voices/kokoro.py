@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.speech.voices.joining import Piece, join_pieces
-from mien.speech.voices.letters import letter_table, letters_of, times_of
-from mien.speech.voices.onnx import RUNTIME_PACKAGE, have_runtime, open_parts
+from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts
 from mien.speech.voices.sentences import Sentence, shorter_than
+from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
+from mien.speech.voices.voice_phones import letter_table, letters_of, times_of
 
 if TYPE_CHECKING:
     import onnxruntime

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
-from mien.speech.pronunciation import Pronunciation, pronounce
-from mien.speech.text import SpokenText
+from mien.text.normalisation import SpokenText
+from mien.text.pronunciation import Pronunciation, pronounce
 
 __all__ = ["Sentence", "Word", "sentences_of", "shorter_than"]
 
@@ -66,7 +66,7 @@ def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
 
     Examples
     --------
-    >>> from mien.speech.text import spoken_words
+    >>> from mien.text.normalisation import spoken_words
     >>> [sentence.text for sentence in sentences_of(spoken_words("Oh no! It is 5 o'clock, Bob"))]
     ['oh no!', "it is five o'clock, bob."]
     """

@@ -5,12 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from mien.audio import Audio
-from mien.errors import MissingPartError, Note
-from mien.speech.languages import Language
-from mien.speech.text import SpokenText
+from mien.core.audio import Audio
+from mien.core.errors import MissingPartError, Note
+from mien.core.timeline import Tier
 from mien.speech.voices.sentences import Sentence, sentences_of
-from mien.timeline import Tier
+from mien.text.languages import Language
+from mien.text.normalisation import SpokenText
 
 __all__ = ["Availability", "Break", "Speech", "Voice"]
 
@@ -77,7 +77,7 @@ class Voice(ABC):
     licence, lineage : str
         One line each: the terms, and the data and weights it comes from.
     own_pronunciation : bool
-        Whether the engine looks words up by itself, so that it may say other phones than `mien.speech.pronunciation`.
+        Whether the engine looks words up by itself, so that it may say other phones than `mien.text.pronunciation`.
     realign : bool
         Whether a forced alignment of the sound gives better phone times than the engine's own. Measured by
         ``benchmarks/voices.py`` (``docs/tables/voices.md``).

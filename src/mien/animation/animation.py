@@ -1,0 +1,77 @@
+"""`Animation`: what comes out of the pipeline, and the one lossless thing to keep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from mien.animation.edits.applied import AppliedEdits
+from mien.core.audio import Audio
+from mien.core.channels import ALL
+from mien.core.errors import Note
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.tracks import ChannelTrack, MarkerTrack
+from mien.core.utterance import PAUSE, Utterance
+from mien.text.score import Score
+
+__all__ = ["Animation", "Provenance", "imported"]
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where an animation came from, so that it can be made again bit for bit."""
+
+    performer: str
+    seed: int
+    version: str
+
+
+@dataclass(frozen=True)
+class Animation:
+    """A performance: channels (and markers, where the performer moves markers) over the sound.
+
+    Attributes
+    ----------
+    channels : ChannelTrack
+        The channels of `mien.core.channels.ALL`.
+    markers : MarkerTrack or None
+        The marker motion in millimetres, where the performer made one.
+    utterance : Utterance
+        The sound, words and phones it follows. Frame 0 stands at the start of the sound.
+    score : Score
+        The direction it follows.
+    provenance : Provenance
+    notes : tuple of Note
+    edits : AppliedEdits or None
+        The layer of edits that lies on it, and what was there before (``docs/edits.md``).
+    """
+
+    channels: ChannelTrack
+    markers: MarkerTrack | None
+    utterance: Utterance
+    score: Score
+    provenance: Provenance
+    notes: tuple[Note, ...] = ()
+    edits: AppliedEdits | None = None
+
+    @property
+    def rate(self) -> FrameRate:
+        """Frame rate of the channels."""
+        return self.channels.rate
+
+
+def imported(channels: ChannelTrack, name: str) -> Animation:
+    """Motion from elsewhere as an animation, over silence: what is said in it is not known.
+
+    Parameters
+    ----------
+    channels : ChannelTrack
+        Some of `mien.core.channels.ALL`; the others rest.
+    name : str
+        Where it comes from.
+    """
+    seconds = len(channels) / channels.rate.fps
+    pause = Tier("phones", (Interval(0.0, seconds, PAUSE),))
+    silence = Utterance("", Audio.silence(seconds, 16_000), Tier("words", ()), pause, "und", "none")
+    track = channels.select(ALL)
+    return Animation(track, None, silence, Score(), Provenance(f"imported from {name}", 0, version("mien")))

@@ -1,0 +1,67 @@
+"""Edited channels laid on motion."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.animation.edits.applied import Lost
+from mien.animation.edits.edited_emotions import found_points
+from mien.animation.edits.edited_places import Places
+from mien.animation.edits.layer import EditLayer, channel_range
+from mien.core.tracks import ChannelTrack
+from mien.core.utterance import Utterance
+from mien.text.parameter_curves import ParameterCurve, lay_over
+
+__all__ = ["with_curves"]
+
+_SHORTEST_FADE = 1e-4  # seconds; anything shorter is at once
+
+
+def with_curves(
+    layer: EditLayer, utterance: Utterance, track: ChannelTrack
+) -> tuple[ChannelTrack, tuple[Lost, ...], dict[str, NDArray[np.float64]]]:
+    """Lay the edited channels of a layer on a track: first those that replace, in their order, then those that add.
+
+    No model is asked. Edited channels are kept in the range of `mien.animation.edits.layer.channel_range`.
+
+    Parameters
+    ----------
+    layer : EditLayer
+    utterance : Utterance
+        With its borders moved.
+    track : ChannelTrack
+        Without edits.
+
+    Returns
+    -------
+    track : ChannelTrack
+        The same one where nothing is edited.
+    lost : tuple of Lost
+    before : dict of str to ndarray, shape (frames,)
+        The edited channels as they were.
+    """
+    if not layer.curves:
+        return track, (), {}
+    places, lost, curves = Places(layer, utterance), list[Lost](), list[ParameterCurve]()
+    for number, edit in layer.curves:
+        if edit.channel not in track.names:
+            lost.append(Lost(number, None, f"the animation has no channel {edit.channel!r}"))
+            continue
+        points = found_points(number, edit.keys, places, lost)
+        if points:
+            keys = tuple((time * 1000, value) for time, value in points)
+            mode: Literal["set", "add"] = "set" if edit.mode == "replace" else "add"
+            fade = edit.fade * 1000 if edit.fade >= _SHORTEST_FADE else 0.0
+            curves.append(ParameterCurve(edit.channel, keys, edit.interpolation, mode, fade))
+    if not curves:
+        return track, tuple(lost), {}
+    values = lay_over(track.values, track.names, curves, track.rate.times(len(track)))
+    before = {}
+    for channel in dict.fromkeys(curve.parameter for curve in curves):
+        column, (least, most) = track.names.index(channel), channel_range(channel)
+        values[:, column] = np.clip(values[:, column], least, most)
+        before[channel] = track.values[:, column].copy()
+    return ChannelTrack(track.names, values, track.rate), tuple(lost), before

@@ -1,0 +1,232 @@
+"""The calls most people need: `say`, `animate`, `align`, `save`. The command line calls these and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from mien.animation.animation import Animation, imported
+from mien.animation.edits import EditLayer
+from mien.core.audio import Audio
+from mien.core.errors import InputError, Note
+from mien.core.timeline import FrameRate
+from mien.core.utterance import Utterance
+from mien.formats.saving import save
+from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH
+from mien.motion.performer import Performer
+from mien.motion.performers import load_performer
+from mien.pipeline.inputs import heard, read_text, sound_of, spoken_recording, spoken_text
+from mien.pipeline.options import (
+    DEFAULT_FPS,
+    Emotions,
+    Rate,
+    layer_of,
+    prepared,
+    score_of,
+    score_with_voice,
+    split_auto,
+)
+from mien.text.script import Script
+
+__all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_text", "save", "say"]
+
+
+def say(
+    text: str | Path | Script,
+    *,
+    emotion: Emotions = None,
+    voice: str | None = None,
+    language: str | Path | None = None,
+    fps: Rate = DEFAULT_FPS,
+    seed: int = 0,
+    performer: Performer | str | Path = "default",
+    speech_model: str | None = None,
+    prosody: float | str = DEFAULT_STRENGTH,
+    alive: str = "all",
+    commands: str | Path | Sequence[str | Path] = (),
+    edits: EditLayer | str | Path | None = None,
+) -> Animation:
+    """Speak a text with a synthetic voice and perform it.
+
+    Parameters
+    ----------
+    text : str, Path or Script
+        English, as written: numbers, dates and abbreviations are read out. Tags in it direct the face and the voice
+        (``docs/script.md``): ``"That is <HeadNod/> true."``; it may also be a document (mien's own XML, SSML, BML). A
+        Path names a file: ``.txt``, ``.xml``, ``.ssml`` or ``.bml``.
+    emotion : str, EmotionSpan, sequence of these, or None
+        ``"happy"``, ``"happy:0.6"``, ``"happy:0.2@0,0.9@1.5"`` (value at second), ``"angry[0.5-1.2]:0.8"`` (from second
+        to second), ``"sad:curve.csv"``; several blend into one another. ``"parameters.csv"`` alone is a file of MPEG-4
+        expression parameters (`mien.text.expression_parameters`).
+    voice : str or None
+        Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
+    language : str, Path or None
+        A tag such as ``"fi"``, or a phone map in a file (``docs/languages.md``); None takes the voice's, and English
+        without one.
+    fps : float, str or FrameRate
+        Frames per second of the animation.
+    seed : int
+        Same text, options, seed and version: same animation, bit for bit.
+    performer : Performer, str or Path
+        A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
+    speech_model : str or None
+        What moves the mouth: ``"coarticulation"`` (learned curves), ``"graph"`` (recorded motion) or ``"both"``, as
+        far as the performer has learned it; None takes the performer's own.
+    prosody : float or "off"
+        How much brows and head go with the accents and phrase ends of the voice: 0 (or ``"off"``) to 1.
+    alive : str
+        Which signs of life besides: ``"blinks"``, ``"gaze"``, ``"head"`` (with the voice, learned), ``"sway"`` (a slow
+        drift of it), with commas between; ``"all"`` or ``"off"``.
+    commands : path-like or sequence of path-like
+        Folders with command files of your own (``docs/commands.md``).
+    edits : EditLayer, path-like or None
+        Edits by hand, or a file of them (``docs/edits.md``); ``edits.lost`` of the result lists what of them has no
+        place in this line.
+
+    Raises
+    ------
+    InputError
+        If the text is empty or cannot be spoken, or an option is not understood.
+    MissingPartError
+        If no voice is installed.
+
+    Examples
+    --------
+    >>> import mien
+    >>> line = mien.say("I never said that.", emotion="angry:0.7")  # doctest: +SKIP
+    >>> mien.save(line, "line.mp4", "line.glb")  # doctest: +SKIP
+    """
+    from mien.pipeline.performance import perform_spoken
+
+    if split_auto(emotion)[1]:
+        raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
+    layer = layer_of(edits)
+    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive)
+    spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
+    return perform_spoken(spoken, performer, rate, seed, score, layer)
+
+
+def animate(
+    audio: str | Path | Audio,
+    *,
+    text: str | Path | Script | None = None,
+    language: str | Path | None = None,
+    song: bool = False,
+    emotion: Emotions = None,
+    fps: Rate = DEFAULT_FPS,
+    seed: int = 0,
+    performer: Performer | str | Path = "default",
+    speech_model: str | None = None,
+    prosody: float | str = DEFAULT_STRENGTH,
+    alive: str = "all",
+    commands: str | Path | Sequence[str | Path] = (),
+    edits: EditLayer | str | Path | None = None,
+) -> Animation:
+    """Perform recorded speech.
+
+    Parameters
+    ----------
+    audio : str, Path or Audio
+        A sound file, a video with a sound track, or samples.
+    text : str, Path, Script or None
+        What is said, or a file that holds it; with tags as for `say`. Without it phones are recognised, which is
+        approximate.
+    language : str, Path or None
+        What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
+    song : bool
+        Whether it is a song and the text its lyrics: aligned with held notes and a band behind the voice, and sung by
+        the face (``docs/song.md``).
+    emotion
+        As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
+        (``docs/emotion.md``), neutral where it is not sure.
+    fps, seed, performer, speech_model, prosody, alive, commands, edits
+        As for `say`.
+
+    Raises
+    ------
+    InputError
+        If the sound cannot be read or an option is not understood.
+    """
+    from mien.pipeline.performance import perform_spoken
+
+    emotion, from_voice = split_auto(emotion)
+    layer = layer_of(edits)
+    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive)
+    notes: tuple[Note, ...] = ()
+    if from_voice:
+        audio, read = sound_of(audio)
+        score, note = score_with_voice(score, audio)
+        performer.expression.check(score)
+        notes = (*read, note)
+    spoken = spoken_recording(audio, performer, text=text, language=language, song=song, commands=commands, notes=notes)
+    return perform_spoken(spoken, performer, rate, seed, score, layer)
+
+
+def express(
+    motion: str | Path | Animation,
+    *,
+    emotion: Emotions,
+    fps: Rate | None = None,
+    seed: int = 0,
+    performer: Performer | str | Path = "default",
+) -> Animation:
+    """Lay an expression over motion that exists already.
+
+    Parameters
+    ----------
+    motion : str, Path or Animation
+        An animation, its native ``.json`` file, or a Live Link Face ``.csv``.
+    emotion : str, EmotionSpan or sequence of these
+        As for `say`.
+    fps : float, str, FrameRate or None
+        Of a ``.csv``; None reads it from the timecode.
+    seed, performer
+        As for `say`.
+
+    Raises
+    ------
+    InputError
+        If the motion cannot be read, or an option is not understood.
+    """
+    score = score_of(emotion)
+    if not score.emotions:
+        raise InputError("expected an emotion to lay over the motion, such as happy:0.6")
+    if not isinstance(performer, Performer):
+        performer = load_performer(performer)
+    performer.expression.check(score)
+    from mien.pipeline.perform import express as lay_over
+
+    return lay_over(_moved(motion, fps), score, performer, seed)
+
+
+def _moved(motion: str | Path | Animation, fps: Rate | None) -> Animation:
+    if isinstance(motion, Animation):
+        return motion
+    suffix = Path(motion).suffix.lower()
+    if suffix == ".json":
+        if fps is not None:
+            raise InputError("fps is for a .csv: a native animation knows its own")
+        from mien.formats.native import read_native
+
+        return read_native(motion)
+    if suffix == ".csv":
+        from mien.formats.livelink import read_livelink
+
+        return imported(read_livelink(motion, FrameRate.of(fps) if fps is not None else None), Path(motion).stem)
+    raise InputError(f"expected a native animation (.json) or a Live Link Face recording (.csv), got {motion}")
+
+
+def align(
+    audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None, song: bool = False
+) -> Utterance:
+    """Find when each word and phone of a text is said in a sound (forced alignment).
+
+    ``language`` is a tag such as ``"fi"`` or a phone map in a file (``docs/languages.md``); None: English.
+    ``song``: the sound is a song and the text its lyrics (``docs/song.md``).
+
+    Raises
+    ------
+    InputError
+        If sound or text cannot be read, or cannot be brought together.
+    """
+    return heard(audio, text, language, song)

@@ -1,0 +1,195 @@
+"""`Stimulus`, one row of an experiment's design, and the table that lists them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from mien.api.stimuli.framing import background_colour, check_crop
+from mien.core.errors import InputError, unknown_name
+
+__all__ = ["COLUMNS", "Stimulus", "read_design"]
+
+
+@dataclass(frozen=True)
+class Stimulus:
+    """One stimulus; the fields are the columns of a design (``docs/stimuli.md``).
+
+    Attributes
+    ----------
+    name : str
+        Of its files.
+    sentence : str
+        What the face says; tags as in ``docs/script.md``.
+    heard : str
+        What is heard instead (a McGurk pair); empty: the same.
+    emotion, intensity
+        As for `mien.say`.
+    offset_ms : float
+        Sound after (> 0) or before (< 0) the picture.
+    rate : float
+        Speaking rate, 1 as usual.
+    au : str
+        Action units or face parameters held throughout, such as ``AU12:0.7 AU4:0.5``.
+    still_ms : str
+        Empty for a video; else the time of the one picture.
+    crop : str
+        What of the face is seen, one of `mien.api.stimuli.framing.CROPS`.
+    background : str
+        A colour (``#808080``, ``black``); empty: the studio's.
+    where : str
+        The file and line it comes from, for messages.
+    """
+
+    name: str
+    sentence: str
+    heard: str = ""
+    voice: str = ""
+    emotion: str = ""
+    intensity: float = 1.0
+    offset_ms: float = 0.0
+    rate: float = 1.0
+    au: str = ""
+    still_ms: str = ""
+    crop: str = "portrait"
+    background: str = ""
+    fps: str = "25"
+    seed: int = 0
+    performer: str = "default"
+    face: str = "default"
+    width: int = 640
+    height: int = 480
+    where: str = ""
+
+    @property
+    def file(self) -> str:
+        """The name of its video or picture."""
+        return f"{self.name}.{'png' if self.still_ms else 'mp4'}"
+
+    def settings(self) -> dict[str, Any]:
+        """The columns with their values."""
+        return {name: getattr(self, name) for name in COLUMNS}
+
+
+COLUMNS = tuple(field.name for field in fields(Stimulus) if field.name != "where")
+_NUMBERS: dict[str, Callable[[str], float | int]] = {
+    "intensity": float, "offset_ms": float, "rate": float, "seed": int, "width": int, "height": int,
+}  # fmt: skip
+
+
+def read_design(path: str | Path) -> tuple[Stimulus, ...]:
+    """The stimuli of a table: CSV with commas or semicolons (the first line tells), or TSV by its suffix.
+
+    Levels in one cell are parted by ``|`` and crossed with those of the other cells of the row; several rows list
+    what is not crossed.
+
+    Raises
+    ------
+    InputError
+        Naming file and line: a column that is missing, twice there or not known, a value that does not fit, a name
+        used twice.
+    """
+    path = Path(path)
+    header, rows = _table(path)
+    for column in header:
+        if column not in COLUMNS:
+            raise InputError(f"{path}, line 1: {unknown_name('column', column, COLUMNS)}")
+        if header.count(column) > 1:
+            raise InputError(f"{path}, line 1: the column {column!r} is there {header.count(column)} times")
+    if "sentence" not in header:
+        raise InputError(f"{path}, line 1: the column 'sentence' is missing; known: {', '.join(COLUMNS)}")
+    found: dict[str, Stimulus] = {}
+    for line, row in rows:
+        for stimulus in _crossed(header, row, f"{path}, line {line}", len(found)):
+            if stimulus.name in found:
+                raise InputError(
+                    f"{stimulus.where}: the name {stimulus.name!r} is used at {found[stimulus.name].where} too"
+                )
+            found[stimulus.name] = stimulus
+    if not found:
+        raise InputError(f"{path}: no stimulus in it")
+    return tuple(found.values())
+
+
+def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """The names of the columns, and each row that is not empty with the line it ends on."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    except UnicodeDecodeError as problem:
+        raise InputError(f"{path}: expected a table in UTF-8 ({problem}); spreadsheets call it 'CSV UTF-8'") from None
+    first = text.partition("\n")[0]
+    delimiter = "\t" if path.suffix.lower() == ".tsv" else ";" if ";" in first and "," not in first else ","
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    try:
+        rows = [(reader.line_num, row) for row in reader]
+    except csv.Error as problem:
+        raise InputError(f"{path}, line {reader.line_num}: expected a table ({problem})") from problem
+    header = [name.strip() for name in rows[0][1]] if rows else []
+    return header, [(line, row) for line, row in rows[1:] if any(cell.strip() for cell in row)]
+
+
+def _crossed(header: Sequence[str], row: Sequence[str], where: str, before: int) -> Iterable[Stimulus]:
+    if len(row) != len(header):
+        raise InputError(
+            f"{where}: expected as many cells as the first line has ({len(header)}), found {len(row)}; a text with the "
+            "table's separator in it stands in quotes"
+        )
+    given = {name: cell.strip() for name, cell in zip(header, row, strict=True) if cell.strip()}
+    if "sentence" not in given:
+        raise InputError(f"{where}: the sentence is empty")
+    levels = {name: [level.strip() for level in value.split("|")] for name, value in given.items()}
+    crossed = list(itertools.product(*levels.values()))
+    for number, values in enumerate(crossed, start=1):
+        cell = dict(zip(levels, values, strict=True))
+        name = cell.pop("name", f"s{before + number:04d}")
+        name = f"{name}-{number:03d}" if "name" in given and len(crossed) > 1 else name
+        if not re.fullmatch(r"[\w.-]+", name) or name.startswith("."):
+            raise InputError(f"{where}: a name is letters, digits, '.', '_' and '-', not {name!r}")
+        yield _stimulus(name, cell, where)
+
+
+def _stimulus(name: str, cell: Mapping[str, str], where: str) -> Stimulus:
+    values: dict[str, object] = {}
+    for column, text in cell.items():
+        if not text:
+            continue  # an empty level: as usual
+        if column not in _NUMBERS:
+            values[column] = text
+            continue
+        try:
+            values[column] = _NUMBERS[column](text)
+        except ValueError:
+            kind = "a whole number" if _NUMBERS[column] is int else "a number"
+            raise InputError(f"{where}: {column} is {kind}, not {text!r}") from None
+    if "sentence" not in values:
+        raise InputError(f"{where}: one level of the sentence is empty")
+    stimulus = Stimulus(name=name, where=where, **values)  # type: ignore[arg-type]
+    try:
+        _check(stimulus)
+    except InputError as problem:
+        raise InputError(f"{where}: {problem}") from problem
+    return stimulus
+
+
+def _check(stimulus: Stimulus) -> None:
+    checks = (
+        (0 <= stimulus.intensity <= 1, f"intensity runs from 0 to 1, not {stimulus.intensity:g}"),
+        (0.25 <= stimulus.rate <= 4, f"rate lies between 0.25 and 4, not {stimulus.rate:g}"),
+        (abs(stimulus.offset_ms) <= 10_000, f"offset_ms lies within 10 s, not {stimulus.offset_ms:g}"),
+        (stimulus.seed >= 0, f"seed is 0 or more, not {stimulus.seed}"),
+        (stimulus.width % 2 == 0 and stimulus.height % 2 == 0, "width and height are even numbers of pixels"),
+        (not stimulus.still_ms or re.fullmatch(r"\d+(\.\d+)?", stimulus.still_ms), "still_ms is milliseconds"),
+    )
+    for right, message in checks:
+        if not right:
+            raise InputError(message)
+    check_crop(stimulus.crop)
+    background_colour(stimulus.background)

@@ -1,0 +1,132 @@
+"""``mien corpus import|check|show`` and ``mien tracker install``: recordings to a corpus, and what is in it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+__all__ = ["add_corpus_commands"]
+
+
+def add_corpus_commands(commands: Any) -> None:
+    """Add the commands to the parser of ``mien``."""
+    corpus = commands.add_parser("corpus", help="recordings to learn from: import, check, look at")
+    parts = corpus.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=type(corpus))
+    _add_import(parts)
+
+    check = parts.add_parser("check", help="what is in a corpus, and what is wrong with it")
+    check.add_argument("corpus", metavar="CORPUS")
+    check.add_argument("--quiet", action="store_true", help="no progress bar")
+    check.set_defaults(run=_check)
+
+    show = parts.add_parser("show", help="draw one take: waveform, phones, a few trajectories")
+    show.add_argument("corpus", metavar="CORPUS")
+    show.add_argument("name", metavar="NAME", help="name of the take")
+    show.add_argument("-o", "--output", metavar="PICTURE.png", required=True)
+    show.set_defaults(run=_show)
+
+    tracker = commands.add_parser("tracker", help="the face tracker that turns video into landmarks")
+    actions = tracker.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=type(tracker))
+    install = actions.add_parser("install", help="make its environment with pip (about 430 MB, once)")
+    install.set_defaults(run=_install_tracker)
+
+
+def _add_import(parts: Any) -> None:
+    command = parts.add_parser(
+        "import",
+        help="make takes of recordings",
+        description="Make takes of recordings: C3D, CSV or NPZ markers, Live Link Face CSV, video, GRID. "
+        "Stopped, it goes on where it was when called again.",
+    )
+    command.add_argument("source", metavar="SOURCE", help="a folder of recordings, or one recording")
+    command.add_argument("-o", "--output", metavar="CORPUS", required=True, help="folder of the corpus")
+    command.add_argument("--recipe", metavar="NAME|FILE", help="how to read them (default: found out from SOURCE)")
+    command.add_argument("--table", metavar="FILE", help="CSV or TSV: name, any of text, emotion, sentence, speaker")
+    command.add_argument(
+        "--name-pattern", metavar="REGEX", help="named groups out of emotion, sentence, speaker, text in the file names"
+    )
+    command.add_argument("--emotion", help="of takes of which nothing else says it")
+    command.add_argument("--speaker", help="of takes of which nothing else says it")
+    command.add_argument(
+        "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: en)"
+    )
+    command.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
+    command.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to work on instead, tcp://HOST:PORT")
+    command.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    command.set_defaults(run=_import)
+
+
+def _import(options: argparse.Namespace) -> int:
+    from mien.corpus.importing import import_corpus
+
+    with _Bar("takes", options.quiet) as bar:
+        report = import_corpus(
+            options.source,
+            options.output,
+            recipe=options.recipe,
+            table=options.table,
+            name_pattern=options.name_pattern,
+            emotion=options.emotion,
+            speaker=options.speaker,
+            language=options.language,
+            workers=options.workers,
+            cluster=options.cluster,
+            progress=bar,
+        )
+    if not options.quiet:
+        for note in report.notes:
+            print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    for failure in report.failed:
+        print(f"mien: not imported: {failure.name}: {failure.reason}", file=sys.stderr)
+    if not options.quiet:
+        kept = f", {len(report.kept)} were there" if report.kept else ""
+        broken = f", {len(report.failed)} could not be used" if report.failed else ""
+        print(f"{options.output}: {len(report.corpus)} takes ({len(report.imported)} new{kept}{broken})")
+    return 0 if len(report.corpus) else 2
+
+
+def _check(options: argparse.Namespace) -> int:
+    from mien.corpus.checking import check_corpus
+    from mien.corpus.recordings import Corpus
+
+    corpus = Corpus(options.corpus)
+    with _Bar("takes", options.quiet) as bar:
+        result = check_corpus(corpus, bar)
+    print(result)
+    return 1 if any(fault.sure for fault in result.faults) else 0
+
+
+def _show(options: argparse.Namespace) -> int:
+    from mien.corpus.recordings import Corpus
+    from mien.corpus.take_picture import draw_take
+
+    draw_take(Corpus(options.corpus).take(options.name), options.output)
+    print(options.output)
+    return 0
+
+
+def _install_tracker(options: argparse.Namespace) -> int:
+    from mien.capture.tracker import install_tracker
+
+    print(f"the face tracker is installed in {install_tracker()}")
+    return 0
+
+
+class _Bar:
+    """A progress bar on a terminal; takes how many are done and how many there are."""
+
+    def __init__(self, unit: str, quiet: bool) -> None:
+        from tqdm import tqdm
+
+        self._bar = tqdm(unit=f" {unit}", leave=False, disable=quiet or not sys.stderr.isatty())
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def __call__(self, done: int, total: int) -> None:
+        self._bar.total = total
+        self._bar.update(done - self._bar.n)

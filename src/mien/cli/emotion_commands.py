@@ -1,0 +1,200 @@
+"""``mien emotion``, ``emotion-train``, ``emotion-table``: which emotion is in a voice."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mien.core.errors import Note
+    from mien.emotion.emotion_classifier import EmotionClassifier, EmotionReading
+
+__all__ = ["add_emotion_commands"]
+
+
+def add_emotion_commands(commands: Any) -> None:
+    """Add the commands on emotion: read from the voice, changed in a motion."""
+    from mien.cli import emotion_map_command as emotion_map
+
+    emotion_map.add_command(commands)
+    emotion = commands.add_parser("emotion", help="tell which emotion is in a voice")
+    emotion.add_argument("files", metavar="FILE", nargs="+", help="sound files, or videos with a sound track")
+    emotion.add_argument("--classifier", metavar="X.npz", help="a classifier made by 'mien emotion-train'")
+    emotion.add_argument(
+        "--together",
+        action="store_true",
+        help="the files are of one speaker, or one studio, in several moods: judge each beside the others",
+    )
+    emotion.add_argument("--over-time", action="store_true", help="stretch by stretch, for longer recordings")
+    emotion.add_argument("--json", action="store_true", help="write JSON, one object per file")
+    emotion.set_defaults(run=_emotion)
+
+    train = commands.add_parser("emotion-train", help="learn a classifier of voices from labelled recordings")
+    _add_corpora(train)
+    train.add_argument("-o", "--output", metavar="X.npz", required=True, help="the classifier to write")
+    train.add_argument("--features", default="voice", help="voice (default), or cepstral:500 (Cao et al. 2005)")
+    train.add_argument("--kernel", choices=("radial", "linear"), default="radial")
+    train.add_argument("--cost", type=float, default=1.0, help="C of libsvm (default 1)")
+    train.add_argument(
+        "--variations", type=int, help="of each recording, by other rooms and microphones (default 4; cepstral: 0)"
+    )
+    train.set_defaults(run=_train)
+
+    table = commands.add_parser("emotion-table", help="how well voices are told: the table of Cao et al. 2005 and more")
+    _add_corpora(table)
+    table.add_argument("--report", metavar="X.md", help="write the tables into this file")
+    table.set_defaults(run=_table)
+
+
+def _add_corpora(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "corpora",
+        metavar="CORPUS",
+        nargs="+",
+        help="a .csv with the columns file, emotion, speaker; or a folder named as docs/emotion.md says",
+    )
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, help="processes (default: one per core)")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _emotion(options: argparse.Namespace) -> int:
+    from mien.core.errors import InputError
+    from mien.emotion.emotion_classifier import default_classifier, load_classifier
+    from mien.formats.sound_files import read_audio
+
+    if options.over_time and options.together:
+        raise InputError("--over-time and --together exclude one another")
+    classifier = load_classifier(options.classifier) if options.classifier else default_classifier()
+    if options.together:
+        sounds = [read_audio(path)[0] for path in options.files]
+        return _tell(list(zip(options.files, classifier.read_together(sounds), strict=True)), classifier, options.json)
+    for number, path in enumerate(options.files):
+        audio, _ = read_audio(path)
+        if options.over_time:
+            _tell_stretches(path, audio, classifier, options.json)
+        else:
+            _tell([(path, classifier.read(audio))], classifier, options.json, heading=number == 0)
+        sys.stdout.flush()
+    return 0
+
+
+def _tell(
+    readings: list[tuple[str, EmotionReading]], classifier: EmotionClassifier, as_json: bool, heading: bool = True
+) -> int:
+    if heading and not as_json:
+        print(
+            f"{'emotion':10}  {'likeliest':10}  intensity  "
+            + "  ".join(f"{n:>9}" for n in classifier.emotions)
+            + "  file"
+        )
+    for path, reading in readings:
+        if as_json:
+            print(json.dumps({"file": path, **_as_data(reading)}))
+        else:
+            shares = "  ".join(f"{reading.probabilities[name]:9.2f}" for name in classifier.emotions)
+            print(f"{reading.emotion:10}  {reading.most_likely:10}  {reading.intensity:9.2f}  {shares}  {path}")
+    return 0
+
+
+def _tell_stretches(path: str, audio: Any, classifier: EmotionClassifier, as_json: bool) -> None:
+    from mien.emotion.emotion_over_time import read_over_time
+
+    stretches = read_over_time(audio, classifier)
+    if as_json:
+        told = [{"start": s.start, "end": s.end, **_as_data(s.reading)} for s in stretches]
+        print(json.dumps({"file": path, "stretches": told}))
+        return
+    print(path)
+    for s in stretches:
+        reading = s.reading
+        sure = f"{reading.most_likely} {reading.probabilities[reading.most_likely]:.2f}"
+        print(f"  {s.start:7.2f} - {s.end:7.2f} s  {reading.emotion:10} {reading.intensity:4.2f}  (likeliest {sure})")
+
+
+def _as_data(reading: EmotionReading) -> dict[str, Any]:
+    return {
+        "emotion": reading.emotion,
+        "most_likely": reading.most_likely,
+        "sure": reading.is_sure,
+        "intensity": round(reading.intensity, 4),
+        "activation": round(reading.activation, 4),
+        "seconds_of_speech": round(reading.seconds, 3),
+        "probabilities": {name: round(value, 4) for name, value in reading.probabilities.items()},
+    }
+
+
+def _train(options: argparse.Namespace) -> int:
+    from mien.core.errors import InputError
+    from mien.core.files import check_writable
+    from mien.corpus.labelled_sounds import read_labelled_sounds
+    from mien.emotion.emotion_classifier import EmotionClassifier
+    from mien.emotion.emotion_samples import VOICE, emotion_samples, join_samples
+
+    path = check_writable(options.output)
+    if path.suffix.lower() != ".npz":
+        raise InputError(f"mien emotion-train writes an .npz file, not {options.output!r}; give -o NAME.npz")
+    if options.cost <= 0:
+        raise InputError(f"a cost is greater than 0, not {options.cost:g}")
+    variations = options.variations if options.variations is not None else (4 if options.features == VOICE else 0)
+    if variations < 0 or options.seed < 0:
+        raise InputError("--variations and --seed are whole numbers, 0 or more")
+    corpora = [read_labelled_sounds(source) for source in options.corpora]
+    samples = []
+    for corpus in corpora:
+        with _bar(options.quiet, corpus.name) as progress:
+            samples.append(
+                emotion_samples(corpus, options.features, variations, options.seed, options.workers, progress)
+            )
+        _notes(samples[-1].notes, options.quiet)
+    learned = EmotionClassifier(options.features, options.kernel, options.cost).fit(
+        join_samples(samples), {"corpora": ", ".join(corpus.name for corpus in corpora)}
+    )
+    learned.save(path)
+    if not options.quiet:
+        recordings = sum(len(corpus.sounds) for corpus in corpora)
+        print(f"{path}: {', '.join(learned.emotions)}; learned from {recordings} recordings")
+    return 0
+
+
+def _table(options: argparse.Namespace) -> int:
+    from mien.core.files import check_writable, replace_when_complete
+    from mien.corpus.labelled_sounds import read_labelled_sounds
+    from mien.metrics.emotion_tables import emotion_tables
+
+    path = check_writable(options.report) if options.report else None
+    corpora = [read_labelled_sounds(source) for source in options.corpora]
+    with _bar(options.quiet, "measuring") as progress:
+        text, notes = emotion_tables(corpora, options.seed, options.workers, progress)
+    _notes(notes, options.quiet)
+    if path is None:
+        print(text)
+        return 0
+    with replace_when_complete(path) as unfinished:
+        unfinished.write_text(text + "\n", encoding="utf-8")
+    if not options.quiet:
+        print(f"{path}: tables of {', '.join(corpus.name for corpus in corpora)}")
+    return 0
+
+
+@contextmanager
+def _bar(quiet: bool, name: str) -> Iterator[Callable[[int, int], None]]:
+    from tqdm import tqdm
+
+    with tqdm(desc=name, leave=False, disable=quiet or not sys.stderr.isatty()) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield progress
+
+
+def _notes(notes: tuple[Note, ...], quiet: bool) -> None:
+    if not quiet:
+        for note in notes:
+            print(f"mien: {note.kind}: {note.message}", file=sys.stderr)

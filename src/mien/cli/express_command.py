@@ -1,0 +1,43 @@
+"""``mien express``: an expression laid over motion that exists already."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from mien.cli.foreign_face import add_face_option
+
+__all__ = ["add_command"]
+
+CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
+Finish = Callable[[Any, Any, argparse.Namespace], int]
+
+
+def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
+    """Add ``mien express`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
+    express = commands.add_parser("express", help="lay an expression over an animation or a Live Link recording")
+    express.add_argument("motion", metavar="MOTION", help="a native animation (.json) or a Live Link Face .csv")
+    express.add_argument(
+        "--emotion",
+        metavar="NAME[:0..1]",
+        action="append",
+        required=True,
+        help="as for 'mien say' (repeatable), or a .csv of MPEG-4 expression parameters",
+    )
+    express.add_argument("-o", "--output", metavar="OUT", required=True, help="file to write; its suffix says what")
+    express.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
+    express.add_argument("--fps", help="frames per second of a .csv (default: read from its timecode)")
+    express.add_argument("--seed", type=int, default=0, help="seed of the expression (default 0)")
+    add_face_option(express)
+    express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
+    express.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")
+
+
+def _express(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
+    from mien.api import calls as api
+
+    face = checked_face(options, [options.motion])
+    given = {name: getattr(options, name) for name in ("emotion", "fps", "seed", "performer")}
+    return finish(api.express(options.motion, **given), face, options)

@@ -1,0 +1,142 @@
+"""``mien face fit``: a bare head mesh becomes a face that mien can move."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mien.face.model import Face
+    from mien.fit.fit_head import FittedHead
+
+__all__ = ["add_command"]
+
+
+def add_command(kinds: Any) -> None:
+    """Add ``mien face fit`` to the face commands."""
+    parser = kinds.add_parser("fit", help="give a bare head mesh the 52 ARKit shapes through a few landmarks")
+    parser.add_argument("mesh", metavar="HEAD.obj", nargs="?", help="the head: .obj, .ply or .glb, any unit and axes")
+    parser.add_argument("--landmarks", metavar="POINTS", help=".csv, .json or .toml: names with places or vertices")
+    parser.add_argument("-o", "--output", metavar="FACE.npz", help="the face to write, for --face FACE.npz")
+    parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
+    parser.add_argument("--texture", metavar="PICTURE", help="the picture that the mesh's texture places are for")
+    parser.add_argument("--unit", help="of the mesh: mm, cm, dm, m or inch (default: found from the head's size)")
+    parser.add_argument(
+        "--add",
+        metavar="PARTS",
+        default="eyes,teeth,tongue,mouth",
+        help="what the default face lends where the head has none: eyes teeth tongue mouth lashes brows hair shirt, "
+        "separated by commas, or 'none' (default: eyes,teeth,tongue,mouth)",
+    )
+    parser.add_argument("--list-landmarks", action="store_true", help="print the names of all landmarks, and end")
+    parser.set_defaults(run=_fit)
+
+
+def _fit(options: argparse.Namespace) -> int:
+    from mien.core.errors import InputError
+    from mien.core.files import check_writable
+
+    if options.list_landmarks:
+        return _list_landmarks()
+    missing = [
+        name
+        for name, value in (("HEAD.obj", options.mesh), ("--landmarks", options.landmarks), ("-o", options.output))
+        if value is None
+    ]
+    if missing:
+        raise InputError(f"mien face fit needs HEAD.obj, --landmarks and -o; missing: {', '.join(missing)}")
+    path = check_writable(options.output)
+    if path.suffix.lower() != ".npz":
+        raise InputError(f"-o {path}: a face file ends in .npz (a GLB: --also X.glb)")
+    also = None
+    if options.also is not None:
+        also = check_writable(options.also)
+        if also.suffix.lower() != ".glb":
+            raise InputError(f"--also {also}: expected a name that ends in .glb")
+    read = [type(path)(name).resolve() for name in (options.mesh, options.landmarks, options.texture) if name]
+    if path.resolve() in read or (also is not None and also.resolve() in read):
+        raise InputError(f"{path if path.resolve() in read else also} is both read and written: give it another name")
+    _check_unit(options.unit)
+    return _fitted(options, _parts(options.add), path, also)
+
+
+def _check_unit(unit: str | None) -> None:
+    from mien.core.errors import unknown_name
+    from mien.fit.alignment import UNITS
+
+    if unit is not None and unit not in UNITS:
+        raise unknown_name("unit", unit, UNITS)
+
+
+def _parts(text: str) -> tuple[str, ...]:
+    from mien.core.errors import unknown_name
+    from mien.fit.head_parts import ADDED
+
+    names = tuple(name.strip() for name in text.split(",") if name.strip() and name.strip() != "none")
+    for name in names:
+        if name not in ADDED:
+            raise unknown_name("part", name, ADDED)
+    return names
+
+
+def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also: Any) -> int:
+    from pathlib import Path
+
+    from mien.face.storage import write_face
+    from mien.fit.fit_head import fit_head
+    from mien.fit.landmarks import read_landmarks
+    from mien.fit.mesh_files import read_mesh
+
+    landmarks = read_landmarks(options.landmarks)
+    mesh = read_mesh(options.mesh, options.texture)
+    done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, added, options.mesh)
+    write_face(done.face, path)
+    print(_report(done, len(landmarks)))
+    print(
+        f"{path}: targets: {len(done.face.part('skin').targets)}, parts: {', '.join(p.name for p in done.face.parts)}"
+    )
+    if also is not None:
+        write_rest(done.face, also)
+        print(f"{also}: the face at rest, with its morph targets")
+    return 0
+
+
+def write_rest(face: Face, path: Any) -> None:
+    """A face at rest as a GLB: one frame of silence."""
+    import numpy as np
+
+    from mien.animation.animation import imported
+    from mien.core.channels import ARKIT
+    from mien.core.timeline import FrameRate
+    from mien.core.tracks import ChannelTrack
+    from mien.formats.gltf import write_glb
+
+    rest = ChannelTrack(ARKIT, np.zeros((1, len(ARKIT)), np.float32), FrameRate.of(30))
+    write_glb(imported(rest, "nothing: the face at rest"), face, path)
+
+
+def _report(done: FittedHead, landmarks: int) -> str:
+    import numpy as np
+
+    from mien.fit.head_regions import region_distances
+
+    unit = f"in {done.alignment.unit}" if done.alignment.unit else "of no human size, scaled"
+    lines = [f"landmarks: {landmarks}; the mesh is {unit}; vertices: {len(done.kept)}"]
+    lines.append("default skin on the head, mean / 95 % distance in mm, and share of the region that was matched:")
+    for region, (mean, high, share) in region_distances(done.fit).items():
+        told = "no match" if np.isnan(mean) else f"{mean:.2f} / {high:.2f}"
+        lines.append(f"  {region}: {told}, {100 * share:.0f} %")
+    if not np.isnan(done.lip_gap):
+        lines.append(f"lips shut over an open jaw: {max(done.lip_gap, 0.0):.2f} mm left between them")
+    if not np.isnan(done.lid_gap):
+        lines.append(f"lids in a blink: {done.lid_gap:.2f} mm left between them")
+    lines += [f"{note.kind}: {note.message}" for note in done.notes]
+    return "\n".join(lines)
+
+
+def _list_landmarks() -> int:
+    from mien.fit.landmarks import known_landmarks
+
+    for name, landmark in known_landmarks().items():
+        print(f"{name}{' (needed)' if landmark.needed else ''}: {landmark.words}")
+    return 0

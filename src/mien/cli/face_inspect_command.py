@@ -1,0 +1,28 @@
+"""``mien face inspect``: what mien makes of a face of another maker."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+__all__ = ["add_command"]
+
+
+def add_command(kinds: Any) -> None:
+    """Add ``mien face inspect`` to the face commands."""
+    parser = kinds.add_parser(
+        "inspect", help="what of a GLB's, VRM's or glTF's targets can be driven, and what is missing"
+    )
+    parser.add_argument("glb", metavar="MY.glb", help="the face: .glb, .vrm or .gltf")
+    parser.add_argument("--names", metavar="X.toml", help="a table of names of your own (docs/faces.md)")
+    parser.add_argument("--json", action="store_true", help="write the answer as JSON")
+    parser.set_defaults(run=_inspect)
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    from mien.face.foreign.foreign_report import inspect_face
+
+    report = inspect_face(options.glb, options.names)
+    print(json.dumps(report.as_dict(), indent=2, ensure_ascii=False) if options.json else "\n".join(report.lines()))
+    return 0

@@ -1,0 +1,78 @@
+"""``mien learn``: a performer from a corpus."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+__all__ = ["add_command"]
+
+
+def add_command(commands: Any) -> None:
+    """Add ``mien learn`` to the commands."""
+    learn = commands.add_parser("learn", help="learn a performer from a corpus")
+    learn.add_argument("corpus", metavar="CORPUS", help="a folder made by 'mien corpus import'")
+    learn.add_argument("-o", "--output", metavar="X.mien", required=True, help="the performer to write")
+    learn.add_argument("--name", help="its name (default: that of the file)")
+    learn.add_argument(
+        "--speech-model",
+        choices=("coarticulation", "graph", "both"),
+        default="both",
+        help="learned curves, recorded motion, or curves corrected by what was recorded (default both)",
+    )
+    learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
+    learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
+    learn.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    learn.set_defaults(run=_learn)
+
+
+def _learn(options: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
+    from mien.core.errors import InputError
+    from mien.core.files import check_writable
+    from mien.corpus.recordings import Corpus
+    from mien.motion.learning import LearningSettings, learn_corpus
+    from mien.motion.performer_file import save_learned
+
+    path = check_writable(options.output)
+    if path.suffix.lower() != ".mien":
+        raise InputError(f"mien learn writes a .mien file, not {options.output!r}; give -o NAME.mien")
+    corpus = Corpus(options.corpus)
+    hidden = options.quiet or not sys.stderr.isatty()
+    with tqdm(desc="learning", leave=False, disable=hidden) as bar:
+
+        def progress(done: int, total: int, what: str) -> None:
+            bar.total = total
+            bar.set_postfix_str(what)
+            bar.update(done - bar.n)
+
+        learned = learn_corpus(
+            corpus,
+            LearningSettings(speech_model=options.speech_model),
+            progress=progress,
+            name=options.name or path.stem,
+            exclude_words=_listed(options.exclude_words),
+            exclude_names=_listed(options.exclude_names),
+        )
+    save_learned(learned, path)
+    if not options.quiet:
+        takes, size = len(learned.trained_on), path.stat().st_size / 1e6
+        print(f"{options.output}: learned from {takes} of {len(corpus)} takes, {size:.1f} MB")
+        if learned.expressions is not None:
+            told = ", ".join(f"{name} {seconds:.0f} s" for name, seconds in learned.expressions.seconds.items())
+            print(f"expressions: {told}")
+            for note in learned.expressions.notes:
+                print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    return 0
+
+
+def _listed(path: str | None) -> tuple[str, ...]:
+    """Words or names of a text file, separated by white space."""
+    if path is None:
+        return ()
+    from mien.api.calls import read_text
+
+    return tuple(read_text(Path(path)).split())

@@ -1,0 +1,178 @@
+"""``mien live``: a microphone or a growing stream of sound, performed while it comes in."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import sys
+from typing import TYPE_CHECKING, Any
+
+from mien.cli.serve_command import add_outlet_options, outlets_of, places
+from mien.cli.stopping import put_off
+from mien.core.errors import InputError
+
+if TYPE_CHECKING:
+    from mien.serve.live.animator import LiveAnimator
+    from mien.serve.live.live_performance import Performed
+    from mien.serve.live.live_recording import LiveRecording
+    from mien.serve.live.sound_sources import SoundSource
+    from mien.serve.live.streaming import Outlets
+
+__all__ = ["add_command"]
+
+
+def add_command(commands: Any) -> None:
+    """Add ``mien live`` to the commands."""
+    live = commands.add_parser("live", help="perform a microphone or a stream of sound while it comes in")
+    live.add_argument(
+        "sound",
+        metavar="SOUND",
+        nargs="?",
+        help="'-' for standard input (WAV or raw samples), a named pipe, or a file; without it the microphone",
+    )
+    live.add_argument("--device", help="microphone: part of its name, or its number")
+    live.add_argument("--list-devices", action="store_true", help="name the microphones and end")
+    live.add_argument("--look-ahead", type=float, default=150.0, metavar="MS", help="50 to 300 (default 150)")
+    live.add_argument("--follow", action="store_true", help="the file still grows: wait for more at its end")
+    live.add_argument(
+        "--pace",
+        choices=("auto", "live", "stored"),
+        default="auto",
+        help="live: catch up with what is late; stored: show all at its own pace (default: told by how it comes)",
+    )
+    live.add_argument("--sample-rate", type=int, default=16_000, help="of raw samples (default 16000)")
+    live.add_argument("--channels", type=int, default=1, help="of raw samples (default 1)")
+    live.add_argument("--format", default="s16le", help="of raw samples: u8 s16le s24le s32le f32le f64le")
+    live.add_argument("-o", "--output", metavar="OUT", help="also record it: .csv .json .wav .TextGrid .mp4 ...")
+    live.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more recording (repeatable)")
+    live.add_argument("--fps", default="30", help="frames per second (default 30)")
+    live.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
+    live.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
+    live.add_argument(
+        "--emotion", metavar="NAME[:0..1]", action="append", help="one that holds throughout, such as happy:0.6"
+    )
+    live.add_argument("--wait", action="store_true", help="begin when the first WebSocket client comes")
+    add_outlet_options(live)
+    live.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    live.set_defaults(run=_live)
+
+
+def _live(options: argparse.Namespace) -> int:
+    from mien.formats.registry import check_output
+    from mien.serve.live.live_recording import LiveRecording
+
+    if options.list_devices:
+        from mien.serve.live.sound_sources import microphones
+
+        print("\n".join(microphones()) or "no microphone was found")
+        return 0
+    recorded = [options.output, *options.also] if options.output else []
+    if options.also and not options.output:
+        raise InputError("--also names a second recording: give the first with -o")
+    for path in recorded:
+        check_output(path)
+    source = _source(options)
+    animator = _animator(options)
+    outlets = outlets_of(options, _channels(), animator.settings.rate, recorded=bool(recorded))
+    with contextlib.ExitStack() as stack:
+        recording = None
+        if recorded:
+            recording = stack.enter_context(LiveRecording(animator.stream.classifier.labels))
+        performed = _run(options, source, animator, outlets, recording)
+        if recording is not None:
+            _write(options, recording, animator, recorded)
+    _tell(options, performed)
+    return 0
+
+
+def _channels() -> tuple[str, ...]:
+    from mien.core import channels
+
+    return channels.ALL
+
+
+def _source(options: argparse.Namespace) -> SoundSource:
+    from mien.serve.live.sound_sources import MicrophoneSource, open_source
+    from mien.serve.live.sound_stream import PcmForm
+
+    if options.sound is None:
+        if options.follow or options.pace != "auto":
+            raise InputError("--follow and --pace are for a file or a stream, not for a microphone")
+        device = options.device
+        return MicrophoneSource(int(device) if device is not None and device.isdigit() else device)
+    if options.device is not None:
+        raise InputError(f"--device names a microphone: leave it out, or leave {options.sound!r} out")
+    form = PcmForm(options.sample_rate, options.channels, options.format)
+    return open_source(options.sound, form, options.pace, options.follow)
+
+
+def _animator(options: argparse.Namespace) -> LiveAnimator:
+    from mien.pipeline.options import prepared
+    from mien.serve.live.animator import LiveAnimator, LiveSettings
+
+    performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed)
+    return LiveAnimator(performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed))
+
+
+def _run(
+    options: argparse.Namespace,
+    source: SoundSource,
+    animator: LiveAnimator,
+    outlets: Outlets,
+    recording: LiveRecording | None,
+) -> Performed:
+    from mien.serve.live.live_performance import perform_live
+
+    def opened(port: int | None) -> None:
+        if not options.quiet:
+            aim = places(options.host, port, outlets) or "the recording only"
+            ahead = f"{options.look_ahead:g} ms look-ahead"
+            print(f"listening to {source.name}, {ahead}, streaming to {aim}; Ctrl-C ends", flush=True)
+
+    asked_to_end = False
+    with contextlib.suppress(KeyboardInterrupt), put_off() as obey:
+
+        def stopping() -> bool:
+            nonlocal asked_to_end
+            try:
+                obey()
+            except KeyboardInterrupt:
+                asked_to_end = True
+            return asked_to_end
+
+        performed = asyncio.run(
+            perform_live(
+                source,
+                animator,
+                outlets,
+                performer=options.performer,
+                recording=recording,
+                wait=options.wait,
+                opened=opened,
+                stopping=stopping,
+            )
+        )
+    return performed
+
+
+def _write(options: argparse.Namespace, recording: LiveRecording, animator: LiveAnimator, paths: list[str]) -> None:
+    from mien.api.calls import save
+
+    settings = animator.settings
+    animation = recording.animation(settings.rate, settings.score, options.performer, settings.seed)
+    if animation is None:
+        raise InputError("nothing was heard, so nothing was recorded")
+    notes = (*animation.notes, *save(animation, *paths))
+    if not options.quiet:
+        for note in notes:
+            print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+        print(f"{', '.join(paths)}: {animation.utterance.duration:.2f} s at {animation.rate} frames/s")
+
+
+def _tell(options: argparse.Namespace, performed: Performed) -> None:
+    if options.quiet:
+        return
+    for note in performed.notes:
+        print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    print(f"sent {performed.frames} frames, {performed.delay * 1000:.0f} ms behind the sound", file=sys.stderr)

@@ -1,0 +1,204 @@
+"""``mien interpret | mien speak | mien translate | mien perform``: the four modules as programs (docs/modules.md)."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mien.animation.animation import Animation
+    from mien.serve.modules.transport import Sink, Source
+    from mien.text.commands import CommandLibrary
+
+__all__ = ["add_commands"]
+
+CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
+
+
+def add_commands(commands: Any, checked_face: CheckFace) -> None:
+    """Add the four commands; ``checked_face`` checks output and face of ``perform`` before anything comes in."""
+    interpret = commands.add_parser("interpret", help="module 1: text with tags in, speech and commands at places out")
+    interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
+    _add_streams(interpret, _interpret)
+    speak = commands.add_parser("speak", help="module 2: gives it a voice, and everything a time")
+    speak.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    speak.add_argument("--language", metavar="TAG", help="such as fi; the voice's own by default")
+    speak.add_argument("--seed", type=int, default=0, help="seed of the voice (default 0)")
+    _add_streams(speak, _speak)
+    translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
+    _add_streams(translate, _translate)
+    perform = commands.add_parser("perform", help="module 4: plays it; frames as JSON lines, or a file with -o")
+    perform.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        help="a file instead; {id} in it is the utterance's number, {sender} its stream's",
+    )
+    perform.add_argument("--fps", default="30", help="frames per second (default 30)")
+    perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
+    perform.add_argument("--face", metavar="NAME|FILE", help="with -o: the face to show, as for mien say")
+    perform.add_argument("--names", metavar="X.toml", help="with -o: names of a face of your own, as for mien say")
+    perform.add_argument("--deformer", metavar="NAME|X.tree", help="with -o: what moves the face, as for mien say")
+    perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
+    perform.add_argument(
+        "--speech-model", choices=("coarticulation", "graph", "both"), help="what moves the mouth, as for mien say"
+    )
+    perform.add_argument(
+        "--emotion", metavar="NAME[:0..1]", action="append", help="for every utterance as a whole (repeatable)"
+    )
+    perform.add_argument("--alive", default="all", help="signs of life, as for mien say (default all)")
+    perform.add_argument("--edits", metavar="X.json", help="edits by hand, laid on every utterance (docs/edits.md)")
+    perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
+    _add_streams(perform, lambda options: _perform(options, checked_face))
+
+
+def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int]) -> None:
+    parser.add_argument("--commands", metavar="FOLDER", action="append", default=[], help="command files of your own")
+    parser.add_argument("--listen", metavar="[HOST:]PORT", help="read from whoever connects there, not standard input")
+    parser.add_argument("--stay", action="store_true", help="with --listen: go on after a sender has ended")
+    parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to whoever listens there, not standard output")
+    parser.add_argument(
+        "--patience", type=float, default=30.0, help="seconds for which the next module may be away (default 30)"
+    )
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.set_defaults(run=run)
+
+
+def _library(options: argparse.Namespace) -> CommandLibrary:
+    from mien.text.commands import CommandLibrary
+
+    return CommandLibrary.of(*options.commands)
+
+
+def _run(
+    name: str, options: argparse.Namespace, library: CommandLibrary, handle: Any, source: Source | None = None
+) -> int:
+    from mien.serve.modules.handlers import refusal_frame
+    from mien.serve.modules.messages import Messages
+    from mien.serve.modules.running import Module, refusal
+    from mien.serve.modules.transport import Listener, Sender, StandardInput, StandardOutput, parse_address
+
+    def messages() -> Messages:
+        return Messages(library.names, texts=name == "interpret")
+
+    _check_streams(options)
+    address = parse_address(options.connect) if options.connect is not None else None
+    if source is None and options.listen is not None:
+        source = listener = Listener(*parse_address(options.listen), messages, options.stay)
+        if not options.quiet:
+            print(f"mien {name}: listening at port {listener.port}", file=sys.stderr, flush=True)
+    elif source is None:
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(encoding="utf-8", errors="strict")
+        source = StandardInput(sys.stdin, messages())
+    sink: Sink = StandardOutput()
+    if address is not None:
+        sink = Sender(*address, patience=options.patience)
+    line = refusal_frame if name == "perform" else refusal
+    answered = address is not None or getattr(options, "output", None) is not None
+    return Module(name, handle, source, sink, refusal_line=None if answered else line).run()
+
+
+def _check_streams(options: argparse.Namespace) -> None:
+    from mien.core.errors import InputError
+
+    if options.stay and options.listen is None:
+        raise InputError("--stay is for --listen: a stream on standard input ends once")
+    if getattr(options, "patience", 1.0) < 0:
+        raise InputError(f"--patience is seconds, 0 or more, not {options.patience:g}")
+    if getattr(options, "seed", 0) < 0:
+        raise InputError(f"a seed is a whole number, 0 or more, not {options.seed}")
+
+
+def _interpret(options: argparse.Namespace) -> int:
+    from mien.core.errors import InputError
+    from mien.serve.modules.handlers import Interpret
+    from mien.serve.modules.messages import Message
+    from mien.serve.modules.transport import Delivery
+
+    library = _library(options)
+    if options.file is None:
+        return _run("interpret", options, library, Interpret(library))
+    if options.listen is not None:
+        raise InputError(f"{options.file} and --listen both say where the script comes from: give one of them")
+    from mien.text.script_reading import read_script_file, script_text
+
+    text = script_text(options.file)
+    read_script_file(options.file, library)
+
+    class _File:
+        def deliveries(self) -> Any:
+            yield Delivery(Message(text, 1), "00000000:1", lambda *_: None)
+
+    return _run("interpret", options, library, Interpret(library, str(options.file)), _File())
+
+
+def _speak(options: argparse.Namespace) -> int:
+    from mien.serve.modules.handlers import Speak
+    from mien.speech.voices import get_voice
+    from mien.text.languages import find_language
+
+    library = _library(options)
+    get_voice(options.voice, find_language(options.language))  # what is not there is told before anything comes in
+    handle = Speak(library, options.voice, options.seed, options.language)
+    return _run("speak", options, library, handle)
+
+
+def _translate(options: argparse.Namespace) -> int:
+    from mien.serve.modules.handlers import Translate
+
+    library = _library(options)
+    return _run("translate", options, library, Translate(library, _teller("translate", options)))
+
+
+def _teller(name: str, options: argparse.Namespace) -> Any:
+    def tell(notes: Any) -> None:
+        if not options.quiet:
+            for note in notes:
+                print(f"mien {name}: {note.kind}: {note.message}", file=sys.stderr)
+
+    return tell
+
+
+def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
+    from mien.animation.edits import EMPTY, read_layer
+    from mien.core.errors import InputError
+    from mien.pipeline.options import prepared
+    from mien.serve.modules.handlers import Perform
+
+    library = _library(options)
+    given = {"speech_model": options.speech_model, "alive": options.alive}
+    given |= {} if options.prosody is None else {"prosody": options.prosody}
+    performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed, **given)
+    if options.output is not None and options.connect is not None:
+        raise InputError("--output and --connect both say where the frames go: give one of them")
+    for name in ("face", "deformer", "names"):
+        if options.output is None and getattr(options, name) is not None:
+            raise InputError(f"--{name} is for --output: frames are channels and show no face")
+    save = None if options.output is None else _saver(options, checked_face)
+    edits = EMPTY if options.edits is None else read_layer(options.edits)
+    handle = Perform(library, performer, rate, options.seed, score, save, edits)
+    return _run("perform", options, library, handle)
+
+
+def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[Animation, str, str], None]:
+    from mien.api import calls as api
+    from mien.serve.modules.handlers import output_path
+
+    options.face, options.deformer, options.also = options.face or "default", options.deformer or "blendshapes", []
+    asked = argparse.Namespace(**vars(options) | {"output": str(output_path(options.output, "1", "1", ()))})
+    face, written = checked_face(asked, [options.edits]), set[Path]()
+
+    def save(animation: Animation, name: str, sender: str) -> None:
+        path = output_path(options.output, name, sender, written)
+        _teller("perform", options)((*animation.notes, *api.save(animation, path, face=face)))
+        written.add(path)
+        if not options.quiet:
+            seconds = animation.utterance.duration
+            print(f"mien perform: {path}: {seconds:.2f} s at {animation.rate} frames/s", file=sys.stderr, flush=True)
+
+    return save

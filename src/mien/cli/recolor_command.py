@@ -1,0 +1,115 @@
+"""``mien recolor``: motion in another emotion."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mien.cli.foreign_face import add_face_option
+
+if TYPE_CHECKING:
+    from mien.animation.animation import Animation
+
+__all__ = ["add_command"]
+
+CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
+Finish = Callable[[Any, Any, argparse.Namespace], int]
+MARKERS = (".npz", ".c3d", ".csv")
+
+
+def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
+    """Add ``mien recolor`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
+    recolor = commands.add_parser("recolor", help="motion as it would be in another emotion")
+    recolor.add_argument(
+        "motion",
+        metavar="MOTION",
+        help="a native animation (.json), a take of a corpus (CORPUS --take NAME), or markers (.csv, .npz, .c3d)",
+    )
+    recolor.add_argument("--to", required=True, metavar="NAME[:0..1]", help="the emotion, as for --emotion of mien say")
+    recolor.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="file to write; its suffix picks the format (.npz, or .markers.csv: the markers)",
+    )
+    recolor.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
+    recolor.add_argument("--take", metavar="NAME", help="which take of the corpus")
+    recolor.add_argument("--from", dest="source", metavar="EMOTION", help="emotion of a marker file (default: neutral)")
+    recolor.add_argument(
+        "--way",
+        choices=("auto", "learned", "authored"),
+        default="auto",
+        help="by the performer's learned map, or by authored expressions (default: learned where there is a map)",
+    )
+    recolor.add_argument(
+        "--performer", metavar="NAME|X.mien", help="whose map or expressions (default: who made the animation)"
+    )
+    recolor.add_argument("--seed", type=int, default=0, help="for takes and markers (default 0)")
+    add_face_option(recolor)
+    recolor.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
+
+
+def _recolor(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
+    from mien.cli.recolored_markers import is_marker_output, write_markers
+    from mien.core.errors import InputError
+
+    outputs = [options.output, *options.also]
+    tracks = [path for path in outputs if is_marker_output(path)]
+    shown = [path for path in outputs if not is_marker_output(path)]
+    for path in tracks:
+        if Path(path).resolve() == Path(options.motion).resolve():
+            raise InputError(f"{path} is both read and written: give the output another name")
+    options.output, options.also = (shown[0], shown[1:]) if shown else (None, [])
+    face = checked_face(options, [options.motion]) if shown else None
+    made = _made(options)
+    for path in tracks:
+        if made.markers is None or Path(options.motion).suffix.lower() == ".json":
+            raise InputError(f"{path}: markers come out of takes and marker files alone; give another format")
+        write_markers(made.markers, path)
+        if not options.quiet:
+            print(f"{path}: {len(made.markers)} frames of {len(made.markers.names)} markers at {made.markers.rate}/s")
+    return finish(made, face, options) if shown else _say(made, options.quiet)
+
+
+def _say(made: Animation, quiet: bool) -> int:
+    import sys
+
+    for note in () if quiet else made.notes:
+        print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    return 0
+
+
+def _made(options: argparse.Namespace) -> Animation:
+    from mien.api.recoloring import recolor, recolor_take
+    from mien.core.errors import InputError
+    from mien.formats.native import read_native
+
+    motion = Path(options.motion)
+    if motion.is_dir() or options.take is not None:
+        from mien.corpus.recordings import Corpus
+
+        corpus = Corpus(motion)
+        if options.take is None:
+            raise InputError(
+                f"{motion}: which take? Give --take NAME, such as --take {next(iter(corpus.names), 'NAME')}"
+            )
+        _refuse(options, "source", "--from is for marker files: a take knows its emotion")
+        take = corpus.take(options.take)
+        return recolor_take(take, options.to, options.performer or "default", options.way, options.seed)
+    if motion.suffix.lower() in MARKERS:
+        from mien.cli.recolored_markers import recolored_file
+
+        return recolored_file(motion, options)
+    _refuse(options, "source", "--from is for marker files: an animation knows its emotions")
+    return recolor(read_native(motion), options.to, options.performer, options.way)
+
+
+def _refuse(options: argparse.Namespace, name: str, message: str) -> None:
+    from mien.core.errors import InputError
+
+    if getattr(options, name) is not None:
+        raise InputError(message)

@@ -1,0 +1,110 @@
+"""``mien stimuli`` and ``mien batch``: many videos from one table, with a log of every frame."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+__all__ = ["add_commands"]
+
+
+def add_commands(commands: Any) -> None:
+    """Add the two commands."""
+    stimuli = commands.add_parser("stimuli", help="stimuli for experiments from a table of factors (docs/stimuli.md)")
+    stimuli.add_argument("design", metavar="TABLE.csv", help="one row for each stimulus; levels a|b are crossed")
+    stimuli.add_argument("--lists", type=int, default=0, help="also write so many counterbalanced lists")
+    _add_work(stimuli)
+    stimuli.add_argument(
+        "--also", metavar="SUFFIX", action="append", default=[], help="write this format too, such as .glb; repeatable"
+    )
+    stimuli.set_defaults(run=_stimuli)
+    batch = commands.add_parser("batch", help="say every line of a text file")
+    batch.add_argument("lines", metavar="LINES.txt", help="one text for each line; tags as in docs/script.md")
+    for name in ("voice", "emotion", "fps", "performer", "face"):
+        batch.add_argument(f"--{name}", default="", help=f"{name} of all lines, as for mien say")
+    batch.add_argument("--seed", type=int, default=0, help="seed of all lines (default 0)")
+    batch.add_argument(
+        "--format",
+        metavar="SUFFIX",
+        dest="formats",
+        action="append",
+        default=[],
+        help="what is written for each line, such as .glb or .csv; repeatable (default .mp4)",
+    )
+    _add_work(batch)
+    batch.set_defaults(run=_batch)
+
+
+def _add_work(parser: Any) -> None:
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder to fill; a stopped run goes on")
+    parser.add_argument("--workers", type=int, help="processes (default: one per core; 0: in this one)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler; its workers share the folder")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _stimuli(options: argparse.Namespace) -> int:
+    from mien.api.stimuli import read_design
+
+    return _make(read_design(options.design), options, options.lists, _suffixes(options.also), True)
+
+
+def _suffixes(given: list[str]) -> list[str]:
+    return [suffix if suffix.startswith(".") else f".{suffix}" for suffix in dict.fromkeys(given)]
+
+
+def _batch(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from mien.api.calls import read_text
+    from mien.api.stimuli import Stimulus
+    from mien.core.errors import InputError
+    from mien.text.score import EmotionSpan
+
+    lines = read_text(Path(options.lines)).splitlines()
+    chosen = {name: getattr(options, name) for name in ("voice", "fps", "performer", "face") if getattr(options, name)}
+    if options.emotion:
+        span = EmotionSpan.parse(options.emotion)
+        if not isinstance(span.intensity, float) or span.start is not None or span.end is not None:
+            raise InputError("mien batch takes an emotion NAME or NAME:0..1; put others into the lines as tags")
+        chosen |= {"emotion": span.name, "intensity": span.intensity}
+    stimuli = [
+        Stimulus(
+            f"line{number:05d}", line.strip(), seed=options.seed, where=f"{options.lines}, line {number}", **chosen
+        )
+        for number, line in enumerate(lines, start=1)
+        if line.strip()
+    ]
+    if not stimuli:
+        raise InputError(f"{options.lines}: no line in it")
+    formats = _suffixes(options.formats) or [".mp4"]
+    others = [suffix for suffix in formats if suffix.lower() != ".mp4"]
+    return _make(stimuli, options, 0, others, len(others) < len(formats))
+
+
+def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[str], picture: bool) -> int:
+    from tqdm import tqdm
+
+    from mien.api.stimuli import make_stimuli
+
+    hidden = options.quiet or not sys.stderr.isatty()
+    with tqdm(unit=" stimuli", total=len(stimuli), leave=False, disable=hidden) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.update(done - bar.n)
+
+        report = make_stimuli(
+            stimuli,
+            options.output,
+            lists=lists,
+            formats=formats,
+            picture=picture,
+            workers=options.workers,
+            cluster=options.cluster,
+            progress=progress,
+        )
+    for name, reason in report.failed:
+        print(f"mien: error: {name}: {reason}", file=sys.stderr)
+    if not options.quiet:
+        print(f"{options.output}: made {len(report.made)}, kept {len(report.kept)}, failed {len(report.failed)}")
+    return 2 if report.failed else 0

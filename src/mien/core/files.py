@@ -1,0 +1,145 @@
+"""Writing files so that a reader never meets half of one, and nobody loses one that was there.
+
+What is written goes into a temporary file beside its target, to the disk, and only then takes the target's name. The
+temporary is locked while it is written: one that nobody holds was left by a program that was killed, and the next that
+writes the same file takes it over.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mien.core.errors import OutputError
+
+__all__ = ["check_writable", "replace_when_complete"]
+
+_LONGEST_SUFFIX = 32
+"""Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
+_MOST_WRITERS = 16
+"""Programs that write the same file at once and find a temporary of a known name."""
+
+
+def check_writable(path: str | Path) -> Path:
+    """Say early whether a file could be written at ``path``; returns it as a Path.
+
+    Raises
+    ------
+    OutputError
+        If its folder is missing or not writable, or if ``path`` is a folder.
+    """
+    path = Path(path)
+    folder = path.parent
+    try:
+        path.lstat()
+    except OSError as problem:
+        if problem.errno not in (errno.ENOENT, errno.ENOTDIR, errno.EACCES):  # those are told apart below
+            raise OutputError(f"cannot write {str(path)[:80]}: {problem.strerror}") from problem
+    if path.is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder; give a file name")
+    if not folder.exists():
+        raise OutputError(f"cannot write {path}: the folder {folder} does not exist; make it first")
+    if not folder.is_dir():
+        raise OutputError(f"cannot write {path}: {folder} is not a folder")
+    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise OutputError(f"cannot write {path}: permission denied")
+    return path
+
+
+@contextmanager
+def replace_when_complete(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path``; it takes the place of ``path`` only if the block ends well.
+
+    The temporary file keeps the suffix of ``path`` and is removed if the block fails.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be made, or the disk fills up.
+
+    Examples
+    --------
+    >>> import tempfile; folder = tempfile.TemporaryDirectory()
+    >>> with replace_when_complete(Path(folder.name) / "line.txt") as unfinished:
+    ...     _ = unfinished.write_text("done")
+    >>> (Path(folder.name) / "line.txt").read_text()
+    'done'
+    """
+    path = check_writable(path)
+    if path.is_symlink():  # what the link points to is replaced, not the link
+        path = check_writable(path.resolve())
+    unfinished, handle = _temporary(path)
+    try:
+        yield unfinished
+        umask = os.umask(0)
+        os.umask(umask)
+        unfinished.chmod(0o666 & ~umask)
+        _to_disk(unfinished)
+        unfinished.replace(path)
+        _to_disk(path.parent)
+    except OSError as problem:
+        if problem.errno == errno.ENOSPC:
+            raise OutputError(f"cannot write {path}: the disk is full; free some space and run again") from problem
+        raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
+    finally:
+        unfinished.unlink(missing_ok=True)
+        os.close(handle)
+
+
+def _temporary(path: Path) -> tuple[Path, int]:
+    """A locked empty file beside ``path``, and its descriptor, which holds the lock.
+
+    Its name follows from that of ``path``, so that what a killed program left is found and taken over.
+    """
+    mark = hashlib.sha256(path.name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
+    suffix = path.suffix if len(path.suffix) <= _LONGEST_SUFFIX else ""
+    try:
+        for number in range(_MOST_WRITERS):
+            name = path.parent / f".mien-{mark}-{number}{suffix}"
+            handle = _taken(name)
+            if handle is not None:
+                return name, handle
+        handle, other = tempfile.mkstemp(prefix=f".mien-{mark}-", suffix=suffix, dir=path.parent)
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror}") from problem
+    return Path(other), handle
+
+
+def _taken(name: Path) -> int | None:
+    """Make or take over a temporary and lock it; None if it is somebody else's, or there are no locks here."""
+    try:
+        import fcntl
+
+        handle = os.open(name, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except ImportError:
+        return None
+    except OSError as problem:
+        if problem.errno in (errno.ELOOP, errno.EACCES, errno.EPERM, errno.EISDIR):  # another's, or a trap
+            return None
+        raise
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        mine, there = os.fstat(handle), name.stat()
+        if (mine.st_dev, mine.st_ino) == (there.st_dev, there.st_ino) and mine.st_nlink == 1:
+            os.ftruncate(handle, 0)
+            return handle
+    except OSError:  # held, renamed or removed meanwhile, or a file system without locks
+        pass
+    os.close(handle)
+    return None
+
+
+def _to_disk(path: Path) -> None:
+    """Have a file's content, or a folder's names, on the disk; file systems that cannot are left in peace."""
+    with contextlib.suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

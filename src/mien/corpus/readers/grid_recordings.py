@@ -1,0 +1,127 @@
+"""The GRID corpus: tracked landmarks (``markers.npz`` beside ``meta.json``), or its video, with ``.align`` files.
+
+``markers.npz``: for each name an array (frames, landmarks, 3) of whole numbers, pixels times ``position_scale``,
+-32768 where the face was lost; ``arkit.npz``, if it is there: (frames, 52) of the tracker's weights.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from mien.capture.layouts import load_layout
+from mien.capture.tracker import tracker_python
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack, MarkerTrack
+from mien.corpus.readers.raw_recordings import Found, Raw, Reader
+from mien.corpus.readers.recording_files import SOUND, TRANSCRIPTS, Beside, found_by_suffix, listed
+from mien.corpus.readers.video_recordings import read_video
+from mien.corpus.recipes import Recipe
+from mien.formats.sound_files import read_audio
+
+__all__ = ["READER"]
+
+_SENTENCE = re.compile(r"[bpls][bgrw][abiw][a-z][1-9z][anps]")
+_LOST = -32768
+_VIDEO = (".mpg", ".mpeg")
+
+
+def _arrays(source: Path) -> Path | None:
+    folder = source if source.is_dir() else source.parent
+    path = folder / "markers.npz"
+    return path if path.is_file() and (folder / "meta.json").is_file() else None
+
+
+def _recognises(source: Path) -> bool:
+    if source.is_dir() and _arrays(source):
+        return True
+    return any(path.suffix.lower() in _VIDEO and _SENTENCE.fullmatch(path.stem) for path in listed(source))
+
+
+def _find(source: Path) -> list[Found]:
+    arrays = _arrays(source)
+    if source.suffix.lower() in _VIDEO or arrays is None:
+        tracker_python()
+        return found_by_suffix(source, _VIDEO)
+    beside = Beside(arrays.parent)
+    with _opened(arrays) as takes:
+        names = sorted(takes.files)
+    here = [(name, arrays.parent / name) for name in names]
+    # Path(name + ".x"): the files that share the name of an array, wherever they lie
+    return [
+        Found(
+            name,
+            arrays,
+            beside.near(place.with_name(f"{name}.npz"), SOUND),
+            beside.near(place.with_name(f"{name}.npz"), TRANSCRIPTS),
+        )
+        for name, place in here
+    ]
+
+
+def _read(found: Found, recipe: Recipe) -> Raw:
+    return read_video(found, recipe) if found.motion.suffix.lower() in _VIDEO else _read_arrays(found, recipe)
+
+
+def _read_arrays(found: Found, recipe: Recipe) -> Raw:
+    path, layout = found.motion, load_layout(recipe.layout)
+    about = _about(path.parent / "meta.json")
+    try:
+        names = [layout.landmarks[int(number)] for number in about["landmark_ids"]]
+        scale, rate = float(about["position_scale"]), FrameRate.of(about["fps"])
+    except (KeyError, TypeError, ValueError) as problem:
+        raise InputError(
+            f"{path.parent / 'meta.json'}: landmark_ids, position_scale or fps cannot be used ({problem})"
+        ) from problem
+    with _opened(path) as takes:
+        counts = _array(path, takes, found.name)
+    if counts.shape[1:] != (len(names), 3) or not len(counts):
+        raise InputError(f"{path}, {found.name}: expected shape (frames, {len(names)}, 3), got {counts.shape}")
+    positions = np.where(counts == _LOST, np.nan, counts / scale)
+    audio, notes = read_audio(found.sound) if found.sound else (None, ())
+    return Raw(MarkerTrack(names, positions, rate), "pixels", audio, _weights(found, about, rate), notes=notes)
+
+
+def _weights(found: Found, about: dict[str, Any], rate: FrameRate) -> ChannelTrack | None:
+    path = found.motion.parent / "arkit.npz"
+    if not path.is_file() or "arkit_names" not in about:
+        return None
+    with _opened(path) as takes:
+        if found.name not in takes:
+            return None
+        values = _array(path, takes, found.name) / float(about.get("arkit_scale", 255))
+    keep = [i for i, name in enumerate(about["arkit_names"]) if not name.startswith("_")]
+    return ChannelTrack([about["arkit_names"][i] for i in keep], values[:, keep], rate)
+
+
+def _about(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as problem:
+        raise InputError(f"{path}: cannot be read ({problem})") from problem
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected a JSON object, got {type(content).__name__}")
+    return content
+
+
+def _opened(path: Path) -> Any:
+    try:
+        return np.load(path, allow_pickle=False)
+    except (OSError, ValueError, BadZipFile) as problem:
+        raise InputError(f"{path}: cannot be read as NPZ ({problem}): is it cut short?") from problem
+
+
+def _array(path: Path, takes: Any, name: str) -> Any:
+    try:
+        return takes[name]
+    except (OSError, ValueError, KeyError, BadZipFile) as problem:
+        raise InputError(f"{path}: no array {name!r} in it, or a damaged one ({problem})") from problem
+
+
+READER = Reader("grid", "the GRID corpus (markers.npz with meta.json, or its .mpg video)", _recognises, _find, _read)

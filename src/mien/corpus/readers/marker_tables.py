@@ -1,0 +1,158 @@
+"""Marker positions in CSV or NPZ files, with a sound file of the same name.
+
+CSV: one line per frame; three columns ``NAME_x``, ``NAME_y``, ``NAME_z`` per marker (``.``, ``:`` or a blank may stand
+for ``_``); a column ``time`` in seconds, unless the recipe gives fps; a column ``frame`` is passed over. An empty cell
+or ``nan``: the marker was not seen. NPZ: ``markers`` (frames, markers, 3), ``names``, and ``fps``, or ``rate`` as
+numerator and denominator; ``units`` if it has any. The motion files of a corpus are such files.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import MarkerTrack
+from mien.corpus.readers.raw_recordings import Found, Raw, Reader
+from mien.corpus.readers.recording_files import found_by_suffix, listed
+from mien.corpus.recipes import Recipe
+from mien.corpus.transcripts import decoded
+from mien.formats.sound_files import read_audio
+
+__all__ = ["READER"]
+
+_COLUMN = re.compile(r"(?P<marker>.+?)[_.: ](?P<axis>[xyz])", re.IGNORECASE)
+_IRREGULAR = 0.2  # of a frame: a step in time that differs by more is not one frame
+
+
+def _is_track(path: Path) -> bool:
+    if path.suffix.lower() == ".npz":
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                return {"markers", "names"} <= set(file.files)
+        except (OSError, ValueError, BadZipFile):
+            return False
+    if path.suffix.lower() != ".csv":
+        return False
+    with path.open("rb") as file:
+        head = decoded(file.readline(65536), path)[0]
+    return bool(_triples(head.strip().split(",")))
+
+
+def _find(source: Path) -> list[Found]:
+    return [found for found in found_by_suffix(source, (".csv", ".npz")) if _is_track(found.motion)]
+
+
+def _read(found: Found, recipe: Recipe) -> Raw:
+    path = found.motion
+    names, positions, rate, units = _read_npz(path) if path.suffix.lower() == ".npz" else _read_csv(path)
+    if recipe.fps:
+        rate = FrameRate.of(recipe.fps)
+    if rate is None:
+        raise InputError(f"{path}: no frame rate in it (column 'time', or array 'fps'); give fps in a recipe")
+    try:
+        track = MarkerTrack([recipe.rename.get(name, name) for name in names], positions, rate)
+    except InputError as problem:
+        raise InputError(f"{path}: {problem}") from problem
+    if not len(track):
+        raise InputError(f"{path}: holds no frame of motion")
+    audio, notes = read_audio(found.sound) if found.sound else (None, ())
+    return Raw(track, units if recipe.units == "auto" else recipe.units, audio, notes=notes)
+
+
+Content = tuple[Sequence[str], NDArray[np.float64], FrameRate | None, str]
+
+
+def _read_npz(path: Path) -> Content:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            names = [str(name) for name in file["names"]]
+            positions = np.asarray(file["markers"], dtype=np.float64)
+            units = str(file["units"]) if "units" in file else ""
+            rate = _npz_rate(path, file)
+    except (OSError, ValueError, KeyError, BadZipFile) as problem:
+        raise InputError(f"{path}: expected arrays 'markers' and 'names' ({problem}): is it cut short?") from problem
+    return names, positions, rate, units
+
+
+def _npz_rate(path: Path, file: Mapping[str, NDArray[np.generic]]) -> FrameRate | None:
+    if "rate" in file:
+        top, bottom = (int(n) for n in np.atleast_1d(file["rate"]))
+        value: Fraction | float = Fraction(top, bottom) if bottom else 0.0
+    elif "fps" in file:
+        value = float(np.asarray(file["fps"], dtype=np.float64))
+    else:
+        return None
+    if not value > 0:
+        raise InputError(f"{path}: its frame rate is {float(value):g}; give fps in a recipe")
+    return FrameRate.of(value)
+
+
+def _triples(header: Sequence[str]) -> dict[str, dict[str, int]]:
+    """Columns of each marker by axis; markers without all three are left out."""
+    table: dict[str, dict[str, int]] = {}
+    for place, column in enumerate(header):
+        match = _COLUMN.fullmatch(column.strip())
+        if match:
+            table.setdefault(match["marker"], {})[match["axis"].lower()] = place
+    return {marker: axes for marker, axes in table.items() if len(axes) == 3}
+
+
+def _read_csv(path: Path) -> Content:
+    text, _ = decoded(path.read_bytes(), path)
+    rows = [row for row in csv.reader(text.splitlines()) if row]
+    table = _triples(rows[0])
+    places = [[axes[axis] for axis in "xyz"] for axes in table.values()]
+    positions = np.full((len(rows) - 1, len(table), 3), np.nan)
+    for frame, row in enumerate(rows[1:]):
+        if len(row) != len(rows[0]):
+            raise InputError(
+                f"{path}, line {frame + 2}: {len(rows[0])} columns expected, got {len(row)}: is it cut short?"
+            )
+        for marker, triple in enumerate(places):
+            positions[frame, marker] = [_number(path, frame, row[place]) for place in triple]
+    header = [column.strip().lower() for column in rows[0]]
+    rate = None
+    if "time" in header:
+        rate = _rate_of(path, [_number(path, frame, row[header.index("time")]) for frame, row in enumerate(rows[1:])])
+    return list(table), positions, rate, ""
+
+
+def _number(path: Path, frame: int, cell: str) -> float:
+    try:
+        return float(cell) if cell.strip() else np.nan
+    except ValueError as problem:
+        raise InputError(f"{path}, line {frame + 2} (frame {frame}): expected a number, got {cell!r}") from problem
+
+
+def _rate_of(path: Path, times: Sequence[float]) -> FrameRate:
+    steps = np.diff(times)
+    if not len(steps):
+        raise InputError(f"{path}: one frame only, so its frame rate is not known; give fps in a recipe")
+    step = float(np.median(steps))
+    if not step > 0:
+        raise InputError(f"{path}: column 'time' does not run forward (median step {step:g} s); give fps in a recipe")
+    odd = np.flatnonzero(~(np.abs(steps - step) <= _IRREGULAR * step))
+    if len(odd):
+        raise InputError(
+            f"{path}, line {odd[0] + 3} (frame {odd[0] + 1}): {steps[odd[0]]:.4g} s after the frame ahead, where "
+            f"{step:.4g} s are usual: frames are missing; keep them as lines with empty cells"
+        )
+    return FrameRate.of(round((len(times) - 1) / (times[-1] - times[0]), 3))
+
+
+READER = Reader(
+    "tracks",
+    "CSV or NPZ files of marker positions with a sound file of the same name",
+    lambda source: any(_is_track(path) for path in listed(source)),
+    _find,
+    _read,
+)

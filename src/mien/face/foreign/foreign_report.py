@@ -1,0 +1,227 @@
+"""What mien makes of a foreign face: what moves by what, what is missing and what that costs, what stays still."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from mien.face.foreign.drawn import not_drawn
+from mien.face.foreign.gltf_document import GltfDocument
+from mien.face.foreign.recognition import ForeignFace, foreign_face
+from mien.face.foreign.rig_names import OwnNames
+from mien.face.foreign.rig_nodes import PARTS
+from mien.face.foreign.vrm import is_vrm
+
+__all__ = ["FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face"]
+
+
+@dataclass(frozen=True)
+class TargetReport:
+    """One morph target.
+
+    Attributes
+    ----------
+    name : str
+        "" where the file has none.
+    driven_by : dict of str to float
+        Channels and their weights; empty where it stays still.
+    convention : str
+        Title of the table that knows it; "" if none does.
+    expression : str
+        The VRM expression through which it is driven; "" if by its own name.
+    still : str
+        Why it stays still; "" where it moves.
+    """
+
+    name: str
+    driven_by: dict[str, float]
+    convention: str
+    expression: str
+    still: str
+
+
+@dataclass(frozen=True)
+class MeshReport:
+    """One mesh that has morph targets."""
+
+    name: str
+    conventions: tuple[str, ...]
+    targets: tuple[TargetReport, ...]
+
+    @property
+    def driven(self) -> tuple[TargetReport, ...]:
+        """The targets that move."""
+        return tuple(target for target in self.targets if target.driven_by)
+
+
+@dataclass(frozen=True)
+class MissingChannels:
+    """Channels that move nothing, how much that matters ("speech", "expression" or "detail"), and what it costs."""
+
+    channels: tuple[str, ...]
+    weight: str
+    words: str
+
+
+@dataclass(frozen=True)
+class FaceReport:
+    """What mien makes of a face.
+
+    Attributes
+    ----------
+    path : str
+    generator : str
+        The program that wrote the file, as it says.
+    kind : str
+        ``"VRM 0"``, ``"VRM 1"`` or ``"glTF"``.
+    moves : bool
+        Whether the face can be driven at all.
+    conventions : tuple of str
+        Titles of all tables that drive something, most used first.
+    meshes : tuple of MeshReport
+    nodes : dict of str to str
+        Names of the nodes that turn: ``head``, ``eyeLeft``, ``eyeRight``.
+    still_nodes : tuple of str
+        Those of them that there are not, in words.
+    shaped_nodes : tuple of str
+        Eyes that shapes of their own turn, so that their nodes keep still.
+    missing : tuple of MissingChannels
+        What matters most comes first.
+    extensions : tuple of str
+        All that the file uses; they are kept.
+    animations : int
+        How many it has of its own; they are kept.
+    not_drawn : str
+        Why it cannot be drawn to ``.mp4`` and ``.png``; "" if it can.
+    """
+
+    path: str
+    generator: str
+    kind: str
+    moves: bool
+    conventions: tuple[str, ...]
+    meshes: tuple[MeshReport, ...]
+    nodes: dict[str, str]
+    still_nodes: tuple[str, ...]
+    shaped_nodes: tuple[str, ...]
+    missing: tuple[MissingChannels, ...]
+    extensions: tuple[str, ...]
+    animations: int
+    not_drawn: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same in plain lists and dicts, ready for JSON."""
+        return asdict(self)
+
+    def lines(self) -> list[str]:
+        """The same in words."""
+        told = [f"{self.path}: {self.kind}" + (f", written by {self.generator}" if self.generator else "")]
+        if not self.meshes:
+            told.append("no mesh has morph targets: nothing could move")
+        elif not self.moves:
+            told.append("no morph target has a known name: nothing could move; give a table of your own with --names")
+        else:
+            told.append(f"names: {', '.join(self.conventions)}")
+        for mesh in self.meshes:
+            told.append(f"{mesh.name}: {len(mesh.driven)} of {len(mesh.targets)} targets are driven")
+            plain = [target.name for target in mesh.driven if list(target.driven_by.items()) == [(target.name, 1.0)]]
+            if plain:
+                told.append(f"  by the channel of the same name: {', '.join(plain)}")
+            for target in mesh.driven:
+                if target.name in plain:
+                    continue
+                sums = " ".join(f"{weight:+g} {channel}" for channel, weight in target.driven_by.items())
+                by = f" (expression {target.expression!r})" if target.expression else ""
+                told.append(f"  {target.name or '(no name)'} <- {sums}{by}")
+            still = [target for target in mesh.targets if not target.driven_by]
+            for reason in dict.fromkeys(target.still for target in still):
+                names = [target.name or "(no name)" for target in still if target.still == reason]
+                told.append(f"  still, {reason}: {', '.join(names)}")
+        told += [f"{PARTS[part]}: node {name!r} turns" for part, name in self.nodes.items()]
+        told += [f"{part}: no node of such a name; it stays still" for part in self.still_nodes]
+        told += [f"{part}: turned by its mesh's own shapes, not by its node" for part in self.shaped_nodes]
+        if any("viseme" in title or "vowel" in title or "mouths" in title for title in self.conventions):
+            told.append("its visemes stand in for much of the speech shapes that it lacks:")
+        told += [f"no {', '.join(lost.channels)} ({lost.weight}): {lost.words}" for lost in self.missing]
+        if self.animations:
+            told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes last")
+        told.append(f"drawing (.mp4, .png): {self.not_drawn or 'yes'}")
+        return told
+
+
+@cache
+def _costs() -> tuple[MissingChannels, ...]:
+    content = (resources.files("mien") / "assets" / "rigs" / "costs.toml").read_text("utf-8")
+    costs = [MissingChannels(tuple(c["channels"]), c["weight"], c["words"]) for c in tomllib.loads(content)["cost"]]
+    return tuple(sorted(costs, key=lambda cost: ("speech", "expression", "detail").index(cost.weight)))
+
+
+def inspect_face(source: str | Path | GltfDocument, names: OwnNames | str | Path | None = None) -> FaceReport:
+    """Read a face in a ``.glb``, ``.vrm`` or ``.gltf`` file and say what mien makes of it.
+
+    Parameters
+    ----------
+    source : path-like or GltfDocument
+    names : OwnNames or path-like, optional
+        A table of the user's own (``docs/faces.md``).
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or does not hold together.
+    """
+    return face_report(foreign_face(source, names))
+
+
+def face_report(face: ForeignFace) -> FaceReport:
+    """Say what mien makes of a face that is recognised already."""
+    document = face.document
+    meshes = tuple(_mesh(face, number) for number, mesh in enumerate(face.meshes) if mesh.targets)
+    tables = [target.convention for mesh in meshes for target in mesh.driven]
+    moved = {c for mesh in meshes for target in mesh.driven for c, w in target.driven_by.items() if w > 0}
+    nodes = {part: str(document.list_of("nodes")[node].get("name", "")) for part, node in face.turning.nodes.items()}
+    asset = document.json.get("asset")
+    version = is_vrm(document)
+    return FaceReport(
+        path=str(document.path),
+        generator=str(asset.get("generator", "")) if isinstance(asset, dict) else "",
+        kind="glTF" if version is None else f"VRM {version}",
+        moves=face.moves,
+        conventions=tuple(sorted(dict.fromkeys(tables), key=lambda title: -tables.count(title))),
+        meshes=meshes,
+        nodes=nodes,
+        still_nodes=tuple(t for part, t in PARTS.items() if part not in nodes and part not in face.turning.by_shapes),
+        shaped_nodes=tuple(PARTS[part] for part in face.turning.by_shapes),
+        missing=_missing(moved),
+        extensions=tuple(str(name) for name in document.list_of("extensionsUsed")),
+        animations=len(document.list_of("animations")),
+        not_drawn=not_drawn(face),
+    )
+
+
+def _missing(moved: set[str]) -> tuple[MissingChannels, ...]:
+    lost = []
+    for cost in _costs():
+        channels = tuple(name for name in cost.channels if name not in moved)
+        if channels:
+            lost.append(MissingChannels(channels, cost.weight, cost.words))
+    return tuple(lost)
+
+
+def _mesh(face: ForeignFace, number: int) -> MeshReport:
+    mesh = face.meshes[number]
+    targets = []
+    for target in mesh.targets:
+        driven: dict[str, float] = {}
+        for drive in target.drives:
+            for channel, weight in drive.match.recipe.items():
+                driven[channel] = round(driven.get(channel, 0.0) + weight * drive.share, 6)
+        tables = ", ".join(dict.fromkeys(drive.match.convention for drive in target.drives))
+        expressions = ", ".join(dict.fromkeys(drive.name for drive in target.drives if drive.name))
+        targets.append(TargetReport(target.name, driven, tables, expressions, target.still))
+    used = [target.convention for target in targets if target.driven_by]
+    return MeshReport(mesh.name, tuple(dict.fromkeys(used)), tuple(targets))

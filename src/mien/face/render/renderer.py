@@ -1,0 +1,166 @@
+"""`Renderer`: posed faces to pictures, on the processor alone."""
+
+from __future__ import annotations
+
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.face.model import Face
+from mien.face.posing import PosedFace
+from mien.face.render import light
+from mien.face.render import rasteriser as raster
+from mien.face.render.camera import Camera
+from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
+from mien.face.render.lighting import Lighting
+from mien.face.render.scene import Scene
+
+__all__ = ["MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer"]
+
+Picture = NDArray[np.uint8]
+MAX_SIDE = 8192
+_LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
+SPREAD_STEPS = 2
+# The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
+_ONE_AT_A_TIME = Lock()
+
+
+class Renderer:
+    """Renders one face, always from the same place and in the same light.
+
+    The picture is the same to the bit for the same input, whatever the number of threads.
+
+    Parameters
+    ----------
+    face : Face
+    width, height : int
+        Of the picture in pixels, 16 to `MAX_SIDE`.
+    camera : Camera, optional
+        Default: `Camera.portrait`.
+    lighting : Lighting, optional
+        Default: `Lighting.portrait`.
+
+    Raises
+    ------
+    InputError
+        If the size is out of range.
+    """
+
+    def __init__(
+        self,
+        face: Face,
+        width: int = 1280,
+        height: int = 720,
+        camera: Camera | None = None,
+        lighting: Lighting | None = None,
+    ) -> None:
+        if not (16 <= width <= MAX_SIDE and 16 <= height <= MAX_SIDE):
+            raise InputError(f"a picture's sides lie between 16 and {MAX_SIDE} pixels, not {width} x {height}")
+        self.face, self.width, self.height = face, width, height
+        self.camera = camera or Camera.portrait(face, width / height)
+        self.lighting = lighting or Lighting.portrait()
+        self.scene = Scene.of(face, self.lighting.reach_mm)
+        self._light_axes = light.light_axes(self.lighting.directions)
+        self.noise = _dither()
+        self._background, self._backdrop = _background(self.lighting, height, self.noise)
+        # Threads take stretches of this list; busy and empty bands should be spread over them.
+        self._order = np.argsort(np.arange(-(-height // raster.BAND)) % 8, kind="stable")
+        self._points = np.zeros((len(self.scene.uv), raster.COLUMNS), dtype=np.float32)
+        self._points[:, [raster.U, raster.V]] = self.scene.uv
+        self._points[:, raster.SOLID] = self.scene.solid
+
+    def render(self, posed: PosedFace) -> Picture:
+        """Draw a posed face.
+
+        Parameters
+        ----------
+        posed : PosedFace
+            A pose of this renderer's face.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 3)
+            sRGB.
+
+        Raises
+        ------
+        InputError
+            If the parts are not those of this face.
+        """
+        vertices, normals = self._joined(posed)
+        scene, camera, lights = self.scene, self.camera, self.lighting
+        axes, focal = camera.axes(), camera.focal_pixels(self.height)
+        points, needed = self._points.copy(), np.empty(len(vertices), dtype=np.bool_)
+        picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
+        with _ONE_AT_A_TIME:
+            raster.project(vertices, camera.place(), axes, focal, self.width, self.height, points)
+            start, listed = raster.sort_into_bands(
+                points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
+            )
+            lit, openness = self._light(vertices, normals, needed)
+            raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
+            raster.draw(
+                points, scene.triangles, scene.triangle_part, start, listed, self._order, scene.texels,
+                scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky, self._background,
+                self._backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
+            )  # fmt: skip
+        return picture
+
+    def empty(self) -> Picture:
+        """The background alone, shape (height, width, 3)."""
+        return np.ascontiguousarray(np.tile(self._backdrop, (1, -(-self.width // 8), 1))[:, : self.width])
+
+    def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        given, expected = [len(p.vertices) for p in posed.parts], np.diff(self.scene.starts).tolist()
+        if given != expected:
+            raise InputError(f"the pose has parts of {given} vertices, face {self.face.name!r} of {expected}")
+        vertices = np.concatenate([part.vertices for part in posed.parts])
+        normals = np.concatenate([part.normals for part in posed.parts])
+        return vertices.astype(np.float32), normals.astype(np.float32)
+
+    def _light(
+        self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        scene, lights = self.scene, self.lighting
+        key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
+        soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
+        light.depth_maps(
+            vertices, scene.casters, self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps
+        )  # fmt: skip
+        listed, lit = np.flatnonzero(needed), np.zeros_like(vertices)
+        openness = np.zeros((len(vertices), 2), dtype=np.float32)
+        light.vertex_light(
+            vertices, normals, listed, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
+            self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
+            key_map, soft_maps, lit, openness,
+        )  # fmt: skip
+        for _ in range(SPREAD_STEPS):
+            spread = lit.copy()
+            around = scene.neighbour_start, scene.neighbour, scene.neighbour_weight
+            light.spread_below_skin(lit, listed, needed, scene.welded, *around, spread)
+            lit = spread
+        return lit, openness
+
+
+def _dither() -> NDArray[np.float32]:
+    """An 8 x 8 Bayer pattern in (0, 1): added before rounding down, it hides the steps of the background's gradient."""
+    pattern = np.zeros((1, 1))
+    for _ in range(3):
+        pattern = np.block([[4 * pattern, 4 * pattern + 2], [4 * pattern + 3, 4 * pattern + 1]])
+    return ((pattern + 0.5) / 64).astype(np.float32)
+
+
+def _background(
+    lighting: Lighting, height: int, noise: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """The gradient as linear light (height, 3), and as pixels (height, 8, 3), repeating across like the pattern."""
+    down = (np.arange(height)[:, None] + 0.5) / height
+    top, bottom = lighting.background.astype(np.float64)
+    linear = (top + down * (bottom - top)).astype(np.float32)
+    steps = (np.sqrt(np.minimum(linear, 1.0)) * (SRGB_STEPS - 1) + 0.5).astype(int)
+    # One colour has no steps to hide, and comes out as it was asked for.
+    rows = np.full_like(noise, 0.5) if np.array_equal(top, bottom) else noise
+    dither = rows[np.arange(height) & 7][:, :, None]
+    return linear, np.minimum(SRGB_BYTES[steps][:, None, :] + dither, 255).astype(np.uint8)

@@ -1,0 +1,253 @@
+"""A face laid out for the renderer: what does not change from frame to frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.model import Face, Part
+from mien.face.posing import welded_vertices
+from mien.face.render.colour import linear_from_srgb
+
+__all__ = ["LEVELS", "Scene"]
+
+Floats = NDArray[np.float32]
+Indices = NDArray[np.int32]
+
+LEVELS = 12  # of a texture, each half the size of the last
+# A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts none.
+_SHEET_SHARE = 0.08
+_CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
+_FADE_MM = 28.0
+_TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
+_LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
+# How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
+_LIP_REDNESS, _LIP_FULL = 0.10, 0.22
+_LIP_ROUGHNESS, _LIP_SPECULAR = 0.60, 1.35
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All parts end to end.
+
+    Attributes
+    ----------
+    starts : tuple of int
+        First vertex of each part, and the end.
+    triangles : ndarray of int32, shape (triangles, 3)
+    triangle_part : ndarray of int32, shape (triangles,)
+    sheet : ndarray of bool, shape (parts,)
+        Seen from both sides.
+    casters : ndarray of int32, shape (some triangles, 3)
+        Those that cast shadows: of large parts that are not sheets.
+    solid : ndarray of float32, shape (vertices,)
+        Opacity: 1, falling to 0 where the trunk is cut off.
+    lift : ndarray of float32, shape (vertices,)
+        How far off its surface a vertex is held against the shadow maps, mm.
+    both_sides : ndarray of bool, shape (vertices,)
+        Whether the vertex belongs to a sheet.
+    spacing : ndarray of float32, shape (vertices,)
+        Mean length of the edges at a vertex, mm.
+    albedo : ndarray of float32, shape (vertices, 3)
+        Linear; vertex colour times material colour.
+    gloss : ndarray of float32, shape (vertices, 2)
+        Roughness squared (the GGX alpha) and reflectance head-on.
+    scatter : ndarray of float32, shape (vertices,)
+    uv : ndarray of float32, shape (vertices, 2)
+    texels : ndarray of uint8, shape (n, 3)
+        All levels of all textures, row by row.
+    texture_level : ndarray of int32, shape (parts, LEVELS, 3)
+        First texel, width and height of each level; width 0 where a part has no texture.
+    neighbour_start, neighbour, neighbour_weight
+        Around which vertices light spreads below the skin: rows (vertices + 1,), (edges,), (edges, 3 colours).
+    welded : ndarray of int32, shape (vertices,)
+        The vertex whose light each one shares.
+    head_centre : ndarray of float32, shape (3,)
+    head_radius : float
+        A ball, mm, that holds the head in any pose; shadows are found inside it.
+    """
+
+    starts: tuple[int, ...]
+    triangles: Indices
+    triangle_part: Indices
+    sheet: NDArray[np.bool_]
+    casters: Indices
+    solid: Floats
+    lift: Floats
+    both_sides: NDArray[np.bool_]
+    spacing: Floats
+    albedo: Floats
+    gloss: Floats
+    scatter: Floats
+    uv: Floats
+    texels: NDArray[np.uint8]
+    texture_level: Indices
+    neighbour_start: Indices
+    neighbour: Indices
+    neighbour_weight: Floats
+    welded: Indices
+    head_centre: Floats
+    head_radius: float
+
+    @classmethod
+    def of(cls, face: Face, reach_mm: Floats) -> Scene:
+        """Lay a face out; ``reach_mm`` as in `mien.face.render.lighting.Lighting`."""
+        parts = face.parts
+        starts = [0, *np.cumsum([len(part.vertices) for part in parts]).tolist()]
+        triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)])
+        vertices = np.concatenate([part.vertices for part in parts])
+        own = [welded_vertices(part) for part in parts]
+        welded = np.concatenate([each + start for each, start in zip(own, starts, strict=False)])
+        rims = [_open_edges(part, each) for part, each in zip(parts, own, strict=True)]
+        scatter = np.concatenate([np.full(len(part.vertices), part.material.scatter, np.float32) for part in parts])
+        texels, levels = _textures(parts)
+        centre, radius = _head_ball(parts)
+        sheet = np.array([share > _SHEET_SHARE for _, share in rims])
+        casts = _casts(parts) & ~sheet
+        return cls(
+            starts=tuple(starts),
+            triangles=np.ascontiguousarray(triangles, dtype=np.int32),
+            triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
+            sheet=sheet,
+            casters=_triangles_of(parts, starts, casts),
+            lift=np.concatenate([_lift(part, casting) for part, casting in zip(parts, casts, strict=True)]),
+            both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
+            solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
+            spacing=np.concatenate([_spacing(part) for part in parts]),
+            albedo=np.concatenate(
+                [linear_from_srgb(p.colours) * linear_from_srgb(p.material.colour) for p in parts]
+            ).astype(np.float32),
+            gloss=np.concatenate([_gloss(part) for part in parts]),
+            scatter=scatter,
+            uv=np.concatenate([part.uv for part in parts]).astype(np.float32),
+            texels=texels,
+            texture_level=levels,
+            **_neighbours(triangles, vertices, welded, scatter, reach_mm),
+            welded=welded.astype(np.int32),
+            head_centre=centre,
+            head_radius=radius,
+        )
+
+
+def _open_edges(part: Part, welded: Indices) -> tuple[Indices, float]:
+    """Vertices on edges with a triangle on one side only, and the share of such edges among all."""
+    corner = welded[part.triangles].astype(np.int64)
+    edges = np.sort(np.concatenate([corner[:, [0, 1]], corner[:, [1, 2]], corner[:, [2, 0]]]), axis=1)
+    count = len(part.vertices)
+    numbers, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
+    rim = numbers[times == 1]
+    return np.unique(np.concatenate([rim // count, rim % count])).astype(np.int32), float((times == 1).mean())
+
+
+def _casts(parts: tuple[Part, ...]) -> NDArray[np.bool_]:
+    corners = [part.vertices[part.triangles] for part in parts]
+    areas = np.array([np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum() for c in corners])
+    return np.asarray(areas > _CASTER_SHARE * areas.sum())
+
+
+def _triangles_of(parts: tuple[Part, ...], starts: list[int], chosen: NDArray[np.bool_]) -> Indices:
+    pieces = [part.triangles + start for part, start, take in zip(parts, starts, chosen, strict=False) if take]
+    return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *pieces]), dtype=np.int32)
+
+
+def _lift(part: Part, casts: np.bool_) -> Floats:
+    """A surface that casts must not shade itself, and light gets round the edges of skin; others can lie close."""
+    scatter = part.material.scatter
+    lift = _LIFT_HARD + scatter * (_LIFT_SKIN - _LIFT_HARD) if casts else _LIFT_OTHERS
+    return np.full(len(part.vertices), lift, dtype=np.float32)
+
+
+def _solid(part: Part, rim: Indices) -> Floats:
+    """Fades the trunk out towards the edge where it is cut off, so that a bust does not end in a rim."""
+    edge = rim[part.head_weight[rim] < _TRUNK]
+    squared = np.full(len(part.vertices), np.inf, dtype=np.float32)
+    for point in part.vertices[edge]:
+        squared = np.minimum(squared, ((part.vertices - point) ** 2).sum(axis=1))
+    return np.clip(np.sqrt(squared) / _FADE_MM, 0, 1).astype(np.float32)
+
+
+def _spacing(part: Part) -> Floats:
+    ends = np.concatenate([part.triangles[:, [0, 1]], part.triangles[:, [1, 2]], part.triangles[:, [2, 0]]])
+    length = np.linalg.norm(part.vertices[ends[:, 0]] - part.vertices[ends[:, 1]], axis=1)
+    total, count = (np.bincount(ends.reshape(-1), w, len(part.vertices)) for w in (np.repeat(length, 2), None))
+    return (total / np.maximum(count, 1)).astype(np.float32)
+
+
+def _gloss(part: Part) -> Floats:
+    material = part.material
+    gloss = np.empty((len(part.vertices), 2), dtype=np.float32)
+    wet = np.zeros(len(part.vertices))
+    if material.scatter > 0:
+        tint = part.colours * _texture_at_vertices(part)
+        red = 1 - tint[:, 1] / np.maximum(tint[:, 0], 1e-3)
+        wet = np.clip((red - np.median(red) - _LIP_REDNESS) / (_LIP_FULL - _LIP_REDNESS), 0, 1)
+    gloss[:, 0] = np.clip(material.roughness * (1 - wet * (1 - _LIP_ROUGHNESS)), 0.08, 1) ** 2
+    gloss[:, 1] = 0.08 * material.specular * (1 + wet * (_LIP_SPECULAR - 1))
+    return gloss
+
+
+def _texture_at_vertices(part: Part) -> Floats:
+    """The texture's colour around each vertex, sRGB 0..1, shape (n, 3); ones without a texture."""
+    picture = part.material.texture
+    if picture is None:
+        return np.ones_like(part.colours)
+    for _ in range(3):  # a vertex stands for an area, not for one freckle
+        picture = _halved(picture)
+    last = np.array([picture.shape[1] - 1, picture.shape[0] - 1])
+    place = np.clip(np.floor(part.uv * (last + 1)).astype(int), 0, last)
+    return np.asarray(picture[place[:, 1], place[:, 0]] / 255, dtype=np.float32)
+
+
+def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], Indices]:
+    levels = np.zeros((len(parts), LEVELS, 3), dtype=np.int32)
+    pieces: list[NDArray[np.uint8]] = [np.zeros((1, 3), np.uint8)]
+    used = 1
+    for number, part in enumerate(parts):
+        picture = part.material.texture
+        if picture is None:
+            continue
+        for level in range(LEVELS):
+            levels[number, level] = used, picture.shape[1], picture.shape[0]
+            pieces.append(picture.reshape(-1, 3))
+            used += len(pieces[-1])
+            picture = _halved(picture)
+    return np.ascontiguousarray(np.concatenate(pieces)), levels
+
+
+def _halved(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Half the size, by means of 2 x 2 (a side of odd length loses its last row; a side of one stays)."""
+    height, width = (max(1, side // 2) for side in picture.shape[:2])
+    tall, wide = min(2, picture.shape[0]), min(2, picture.shape[1])
+    total = sum(
+        picture[i : height * tall : tall, k : width * wide : wide].astype(np.uint16)
+        for i in range(tall)
+        for k in range(wide)
+    )
+    return np.asarray((total + tall * wide // 2) // (tall * wide), dtype=np.uint8)
+
+
+def _neighbours(
+    triangles: Indices, vertices: Floats, welded: Indices, scatter: Floats, reach_mm: Floats
+) -> dict[str, NDArray[Any]]:
+    corner = welded[triangles]
+    pairs = np.concatenate([corner[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))])
+    pairs = pairs[(scatter[pairs[:, 0]] > 0) & (pairs[:, 0] != pairs[:, 1])].astype(np.int64)
+    pairs = np.stack(np.divmod(np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1]), len(vertices)), axis=1)
+    length = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)[:, None]
+    reach = np.maximum(reach_mm * scatter[pairs[:, 0]][:, None], 1e-3)
+    count = np.bincount(pairs[:, 0], minlength=len(vertices))
+    return {
+        "neighbour_start": np.concatenate([[0], np.cumsum(count)]).astype(np.int32),
+        "neighbour": pairs[:, 1].astype(np.int32),
+        "neighbour_weight": np.exp(-0.5 * (length / reach) ** 2).astype(np.float32),
+    }
+
+
+def _head_ball(parts: tuple[Part, ...]) -> tuple[Floats, float]:
+    points = np.concatenate([part.vertices[part.head_weight > 0.5] for part in parts])
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre = ((low + high) / 2).astype(np.float32)
+    return centre, 1.15 * float(np.linalg.norm(points - centre, axis=1).max())

@@ -1,0 +1,200 @@
+"""Named landmarks on heads, and the files they are given in.
+
+`LANDMARKS` (``assets/fitting/landmarks.toml``) says what each name means and where it lies on the default face. A file
+gives some of them, in one of three notations::
+
+    name,x,y,z          CSV: three numbers, or one: the number of a vertex, counted from 0
+    nose_tip,0,-35,42
+
+    {"nose_tip": [0, -35, 42], "chin": 733}      JSON
+
+    nose_tip = [0, -35, 42]                      TOML
+    chin = 733
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError, unknown_name
+
+__all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
+
+_KINDS = {".csv": "CSV", ".json": "JSON", ".toml": "TOML"}
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """A named place on a head.
+
+    Attributes
+    ----------
+    vertex : int
+        Of the default face's skin.
+    needed : bool
+        Whether a head cannot be fitted without it.
+    words : str
+    """
+
+    vertex: int
+    needed: bool
+    words: str
+
+
+@cache
+def known_landmarks() -> dict[str, Landmark]:
+    """All landmarks by name.
+
+    Examples
+    --------
+    >>> known_landmarks()["nose_tip"].words
+    'the foremost point of the nose'
+    """
+    path = Path(str(resources.files("mien") / "assets" / "fitting" / "landmarks.toml"))
+    return {name: Landmark(**facts) for name, facts in tomllib.loads(path.read_text(encoding="utf-8")).items()}
+
+
+def needed_landmarks() -> tuple[str, ...]:
+    """Names of those that a head cannot be fitted without."""
+    return tuple(name for name, landmark in known_landmarks().items() if landmark.needed)
+
+
+def other_side(name: str) -> str:
+    """The landmark of the other side, or the same where there is none.
+
+    Examples
+    --------
+    >>> other_side("eye_inner_left"), other_side("chin")
+    ('eye_inner_right', 'chin')
+    """
+    if name.endswith("_left"):
+        return name[:-5] + "_right"
+    return name[:-6] + "_left" if name.endswith("_right") else name
+
+
+def read_landmarks(path: str | Path, width: int = 3) -> dict[str, tuple[float, ...]]:
+    """Read a file of landmarks: each name with ``width`` numbers, or with one (the number of a vertex).
+
+    Raises
+    ------
+    InputError
+        If the file is missing or not understood, a name is unknown or comes twice, or numbers are wrong; with the line
+        where the notation has lines.
+    """
+    path = Path(path)
+    kind = _KINDS.get(path.suffix.lower())
+    if kind is None:
+        raise InputError(
+            f"{path}: landmarks are read from .csv, .json or .toml, not from {path.suffix or 'no suffix'!r}"
+        )
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as problem:
+        raise InputError(f"{path}: cannot be read ({getattr(problem, 'strerror', None) or problem})") from problem
+    return parsed_landmarks(text, kind, str(path), width)
+
+
+def parsed_landmarks(text: str, kind: str, where: str, width: int) -> dict[str, tuple[float, ...]]:
+    """Landmarks out of a text in one of the notations; `read_landmarks` says more."""
+    if kind == "CSV":
+        return _from_csv(text, where, width)
+    try:
+        data = json.loads(text, object_pairs_hook=_once) if kind == "JSON" else tomllib.loads(text)
+    except (ValueError, RecursionError) as problem:
+        raise InputError(f"{where}: no {kind} ({problem})") from problem
+    if isinstance(data, dict) and isinstance(data.get("landmarks"), dict):
+        data = data["landmarks"]
+    return checked_landmarks(data, where, width)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"{next(name for name in names if names.count(name) > 1)!r} comes twice")
+    return found
+
+
+def checked_landmarks(data: Any, where: str, width: int) -> dict[str, tuple[float, ...]]:
+    """Landmarks out of a mapping of names to a number or a list of numbers."""
+    if not isinstance(data, Mapping):
+        raise InputError(f"{where}: expected names with their places, got {type(data).__name__}")
+    found = {}
+    for name, value in data.items():
+        numbers = value if isinstance(value, list) else [value]
+        found[_checked_name(name, where)] = _checked_numbers(numbers, f"{where}: {name}", width)
+    if not found:
+        raise InputError(f"{where} holds no landmarks")
+    return found
+
+
+def _from_csv(text: str, where: str, width: int) -> dict[str, tuple[float, ...]]:
+    found: dict[str, tuple[float, ...]] = {}
+    for line, row in enumerate(csv.reader(text.splitlines()), 1):
+        cells = [cell.strip() for cell in row]
+        while cells and not cells[-1]:
+            cells.pop()
+        if not cells or cells[0].startswith("#") or (line == 1 and cells[0].lower() in ("name", "landmark")):
+            continue
+        name = _checked_name(cells[0], f"{where}:{line}")
+        if name in found:
+            raise InputError(f"{where}:{line}: {name!r} comes twice")
+        try:
+            numbers: list[Any] = [float(cell) if width > 1 or "." in cell else int(cell) for cell in cells[1:]]
+        except ValueError as problem:
+            raise InputError(f"{where}:{line}: {problem}") from problem
+        found[name] = _checked_numbers(numbers, f"{where}:{line}: {name}", width)
+    if not found:
+        raise InputError(f"{where} holds no landmarks")
+    return found
+
+
+def _checked_name(name: Any, where: str) -> str:
+    if name not in known_landmarks():
+        problem = unknown_name("landmark", str(name), known_landmarks())
+        raise InputError(f"{where}: {problem}")
+    return str(name)
+
+
+def _checked_numbers(numbers: list[Any], where: str, width: int) -> tuple[float, ...]:
+    if not all(isinstance(n, int | float) and not isinstance(n, bool) and np.isfinite(n) for n in numbers):
+        raise InputError(f"{where}: expected numbers, got {numbers!r}")
+    if len(numbers) == 1 and width == 3:
+        if numbers[0] != int(numbers[0]) or numbers[0] < 0:
+            raise InputError(f"{where}: one number is a vertex, counted from 0; got {numbers[0]:g}")
+    elif len(numbers) != width:
+        one = " or one (the number of a vertex)" if width == 3 else ""
+        raise InputError(f"{where}: expected {width} numbers{one}, got {len(numbers)}")
+    return tuple(float(n) for n in numbers)
+
+
+def places_of_landmarks(
+    given: Mapping[str, tuple[float, ...]], vertices: NDArray[np.float64], where: str
+) -> dict[str, NDArray[np.float64]]:
+    """Landmarks as places (3,), vertex numbers looked up.
+
+    Raises
+    ------
+    InputError
+        If a vertex is not on the mesh, or one that is needed is missing.
+    """
+    missing = [name for name in needed_landmarks() if name not in given]
+    if missing:
+        raise InputError(f"{where}: landmarks missing: {', '.join(missing)} (needed: {', '.join(needed_landmarks())})")
+    places = {}
+    for name, numbers in given.items():
+        if len(numbers) == 1 and int(numbers[0]) >= len(vertices):
+            raise InputError(f"{where}: {name}: vertex {int(numbers[0])} is not among the mesh's {len(vertices)}")
+        places[name] = vertices[int(numbers[0])] if len(numbers) == 1 else np.array(numbers)
+    return places

@@ -1,0 +1,36 @@
+"""Which writer serves where the face is somebody else's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from mien.animation.animation import Animation
+from mien.core.errors import Note
+from mien.face.foreign.drawn import drawn_face
+from mien.face.foreign.recognition import ForeignFace
+from mien.formats.driven_glb import drive_glb
+from mien.formats.registry import Progress, save
+
+__all__ = ["save_on_foreign"]
+
+
+def save_on_foreign(
+    animation: Animation, target: Path, face: ForeignFace, progress: Progress | None
+) -> tuple[Note, ...]:
+    """Write one file, as `mien.formats.registry.save`, with a face of another maker."""
+    if target.suffix.lower() == ".glb":
+        return drive_glb(animation.channels, face, target)
+    if target.suffix.lower() in (".mp4", ".png"):
+        drawn = drawn_face(face)
+        shown = replace(animation, channels=drawn.track(animation.channels))
+        notes = save(shown, target, face=drawn.face, progress=progress)
+        return (*(Note("warning", fault) for fault in drawn.notes), *notes)
+    if target.suffix.lower() in (".usda", ".usdc", ".usdz", ".c3d"):
+        drawn = drawn_face(face)
+        told = "sums of channels are held in 0..1 by mien only: the file has one target for each channel"
+        return (Note("note", told), *save(animation, target, face=drawn.by_channels(), progress=progress))
+    if target.suffix.lower() == ".fap":
+        told = f"{target}: face animation parameters are measured on the default face, not on {face.document.path.name}"
+        return (Note("note", told), *save(animation, target))
+    return save(animation, target)

@@ -1,0 +1,271 @@
+"""Which formats there are; the suffix of a file name picks one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from mien.animation.animation import Animation
+from mien.core.errors import InputError, Note, unknown_name
+from mien.core.files import check_writable
+from mien.face.model import Face
+
+__all__ = ["EXPORTERS", "Exporter", "Progress", "check_output", "save"]
+
+Progress = Callable[[int, int], None]
+"""Called with (frames done, frames in all)."""
+
+
+@dataclass(frozen=True)
+class Exporter:
+    """One output format.
+
+    Attributes
+    ----------
+    suffix : str
+        With its dot, as it is commonly spelt; any case is accepted.
+    title : str
+        What the file is, for help texts.
+    loses : str
+        What of an `Animation` the file does not hold, in one line.
+    shows_face : bool
+        Whether it needs a `Face`.
+    write : callable
+        Given the animation, the path, the face (None unless ``shows_face``) and the progress callback.
+    check : callable
+        Raises MissingPartError where a library that the format needs is not installed.
+    companion : callable or None
+        Given the path, the folder beside it in which the format keeps pictures and sound.
+    """
+
+    suffix: str
+    title: str
+    loses: str
+    shows_face: bool
+    write: Callable[[Animation, Path, Face | None, Progress | None], tuple[Note, ...]]
+    check: Callable[[], None] = lambda: None
+    companion: Callable[[Path], Path] | None = None
+
+
+def _needed(face: Face | None) -> Face:
+    if face is not None:
+        return face
+    from mien.face.library import load_face
+
+    return load_face("default")
+
+
+def _write_video(animation: Animation, path: Path, face: Face | None, progress: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.video import write_video
+
+    return write_video(animation, _needed(face), path, progress=progress)
+
+
+def _write_contact_sheet(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.contact_sheet import write_contact_sheet
+
+    return write_contact_sheet(animation, _needed(face), path)
+
+
+def _write_glb(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.gltf import write_glb
+
+    return write_glb(animation, _needed(face), path)
+
+
+def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.livelink_csv import write_livelink
+
+    return write_livelink(animation, path)
+
+
+def _write_fap(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.fap_animation import write_fap
+
+    return write_fap(animation, _needed(face), path)
+
+
+def _write_textgrid(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.textgrid import write_textgrid
+
+    speech = animation.utterance
+    return write_textgrid((speech.words, speech.spelled_phones), speech.duration, path)
+
+
+def _write_sound(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.wav import write_sound
+
+    return write_sound(animation.utterance.audio, path)
+
+
+def _write_usd(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.usd import write_usd
+
+    return write_usd(animation, _needed(face), path)
+
+
+def _check_usd() -> None:
+    from mien.formats.usd import check_usd
+
+    check_usd()
+
+
+def _usd_companion(path: Path) -> Path:
+    from mien.formats.usd import companion_folder
+
+    return companion_folder(path)
+
+
+def _write_c3d(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.c3d import write_c3d
+
+    return write_c3d(animation, _needed(face), path)
+
+
+def _write_native(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
+    from mien.formats.native import write_native
+
+    return write_native(animation, path)
+
+
+EXPORTERS: tuple[Exporter, ...] = (
+    Exporter(
+        ".mp4",
+        "video with sound (H.264, AAC)",
+        "everything but one view and the sound, both compressed",
+        True,
+        _write_video,
+    ),
+    Exporter(
+        ".png",
+        "contact sheet of key frames",
+        "all motion between the key frames, and the sound",
+        True,
+        _write_contact_sheet,
+    ),
+    Exporter(
+        ".glb",
+        "animated 3D face (glTF 2.0, morph targets by name: ARKit's 52 and those beyond)",
+        "the sound itself, markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit",
+        True,
+        _write_glb,
+    ),
+    Exporter(
+        ".usdz",
+        "animated 3D face with its sound in one file (USD: UsdSkel blend shapes)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+    ),
+    Exporter(
+        ".usdc",
+        "animated 3D face (USD, binary layer; pictures and sound in a folder beside it)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+        _usd_companion,
+    ),
+    Exporter(
+        ".usda",
+        "animated 3D face (USD, text layer; pictures and sound in a folder beside it)",
+        "markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit, the sound 16-bit",
+        True,
+        _write_usd,
+        _check_usd,
+        _usd_companion,
+    ),
+    Exporter(
+        ".c3d",
+        "markers on the face's skin with the sound (motion capture)",
+        "channels, words, phones, score, all motion between the markers; numbers are 32-bit",
+        True,
+        _write_c3d,
+    ),
+    Exporter(
+        ".csv",
+        "Live Link Face recording (Unreal, Blender, Maya)",
+        "the sound, markers, words, phones, score, tongue and muscles beyond ARKit's 52; numbers have eight decimals",
+        False,
+        _write_livelink,
+    ),
+    Exporter(
+        ".fap",
+        "MPEG-4 face animation parameters (text)",
+        "the sound, markers, words, phones, score; all but the feature points' motion along the standard's axes",
+        True,
+        _write_fap,
+    ),
+    Exporter(
+        ".TextGrid", "words and phones in time (Praat)", "all motion, the sound, the score", False, _write_textgrid
+    ),
+    Exporter(".wav", "the sound (24 bit, one channel)", "everything but the sound", False, _write_sound),
+    Exporter(".json", "the native animation", "nothing", False, _write_native),
+)
+
+
+def _exporter(path: Path) -> Exporter:
+    known = {exporter.suffix.lower(): exporter for exporter in EXPORTERS}
+    if path.suffix.lower() in known:
+        return known[path.suffix.lower()]
+    names = [exporter.suffix for exporter in EXPORTERS]
+    if not path.suffix:
+        raise InputError(f"cannot tell the format of {path}: end its name in one of {', '.join(names)}")
+    raise unknown_name("output format", path.suffix, names)
+
+
+def check_output(path: str | Path) -> Path:
+    """Say early, before long work, whether `save` could write ``path``; returns it as a Path.
+
+    Raises
+    ------
+    InputError
+        If the suffix is not that of a format.
+    OutputError
+        If the folder is missing or not writable.
+    MissingPartError
+        If a library that the format needs is not installed.
+
+    Examples
+    --------
+    >>> check_output("line.mp5")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    mien.core.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: .TextGrid, .c3d, ...
+    """
+    path = Path(path)
+    _exporter(path).check()
+    return check_writable(path)
+
+
+def save(
+    animation: Animation, path: str | Path, *, face: Face | None = None, progress: Progress | None = None
+) -> tuple[Note, ...]:
+    """Write an animation to a file; the suffix picks the format (`EXPORTERS`).
+
+    Parameters
+    ----------
+    animation : Animation
+    path : path-like
+        Replaced if it exists; never left half-written.
+    face : Face, optional
+        For the formats that show one; the default face otherwise.
+    progress : callable, optional
+        Called with (frames done, frames in all) while a video is made.
+
+    Returns
+    -------
+    tuple of Note
+        What the writer had to change or leave out beyond what the format always loses.
+
+    Raises
+    ------
+    InputError
+        If the suffix is not that of a format.
+    OutputError
+        If the file cannot be written.
+    """
+    path = check_output(path)
+    return _exporter(path).write(animation, path, face, progress)

@@ -1,0 +1,68 @@
+"""Writing an animation to files: the suffix of each path picks its format (``docs/formats.md``)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from mien.animation.animation import Animation
+from mien.core.errors import InputError, Note
+from mien.face.foreign.recognition import ForeignFace, foreign_face
+from mien.face.model import Face
+
+__all__ = ["save"]
+
+Progress = Callable[[int, int], None]
+
+
+def save(
+    animation: Animation,
+    *paths: str | Path,
+    face: str | Path | Face | ForeignFace = "default",
+    names: str | Path | None = None,
+    progress: Progress | None = None,
+) -> tuple[Note, ...]:
+    """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
+
+    Parameters
+    ----------
+    animation : Animation
+    *paths : str or Path
+        As `mien.formats.registry.EXPORTERS` names them; all are checked before the first is written.
+    face : str, Path, Face or ForeignFace
+        The face for the formats that show one: by name, loaded, or one of another maker (``.glb``, ``.vrm``,
+        ``.gltf``), which is driven by its own morph targets and written with everything else in it.
+    names : str, Path or None
+        A table of names of your own for such a face (``docs/faces.md``).
+    progress : callable (done, total) or None
+        Called while frames are drawn.
+
+    Returns
+    -------
+    tuple of Note
+        What a format could not hold beyond what it always loses.
+
+    Raises
+    ------
+    InputError
+        If a suffix or the face is not known.
+    OutputError
+        If a file cannot be written; nothing is left half-written.
+    """
+    from mien.face.foreign.gltf_document import is_gltf
+    from mien.face.library import load_face
+    from mien.formats.foreign_faces import save_on_foreign
+    from mien.formats.registry import check_output
+    from mien.formats.registry import save as save_one
+
+    targets = [check_output(path) for path in paths]
+    if isinstance(face, (str, Path)) and is_gltf(face):
+        face = foreign_face(face, names)
+    if isinstance(face, ForeignFace):
+        return tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
+    if names is not None:
+        raise InputError("names are for a face in .glb, .vrm or .gltf")
+    if isinstance(face, Path):
+        face = str(face)
+    shown = load_face(face) if isinstance(face, str) else face
+    return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))

@@ -1,0 +1,317 @@
+"""Reading sound from nearly any file: one channel out, with a note on whatever had to be changed."""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import MAX_RATE, MIN_RATE, Audio
+from mien.core.border import reading
+from mien.core.errors import InputError, Note
+from mien.core.limits import check_size, read_bytes
+from mien.formats.media import open_media
+
+if TYPE_CHECKING:
+    from av import AudioFrame as Frame
+
+__all__ = ["KEPT_RATE", "SHORTEST", "read_audio"]
+
+KEPT_RATE = 48_000
+"""Sound above this rate is brought down to it: nothing here needs more."""
+SHORTEST = 0.02
+"""Seconds; less than this is no sound that anything could speak."""
+_TELEPHONE_RATE = 11_025
+_BLOCK = 2**20  # samples, all channels together, decoded at a time
+_LONG = 1800  # seconds from which on 32 bits a sample are kept until the end, not 64: three hours fit into memory
+_OFFSET = 0.02  # of full scale; less is what converters add
+_FULL = 1.0 - 2.0**-14
+_CLIPPED = 0.002  # share of the samples
+_UNKNOWN_LENGTHS = (0, 0xFFFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF - 36)  # written by a pipe that never ended
+_FEW_BYTES = 4096  # a header may be wrong by as much
+
+Samples = NDArray[Any]
+
+
+def read_audio(path: str | Path) -> tuple[Audio, tuple[Note, ...]]:
+    """Read a sound file, or the sound track of a video.
+
+    WAV, FLAC, OGG and AIFF are read by libsndfile; all else (MP3, M4A, MP4, MKV, MPG, ...) by FFmpeg's libraries.
+    Several channels are averaged (where they would cancel, the loudest is taken), a constant offset is taken out,
+    rates above `KEPT_RATE` are resampled; all are noted.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    audio : Audio
+    notes : tuple of Note
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, cut short, holds no sound, or more than the limits ``hours`` and ``channels``.
+    """
+    path = Path(path)
+    with reading(_existing(path), "a sound or video file"):
+        return _read(path)
+
+
+@dataclass
+class _Sum:
+    """What is known of a sound after it went by in blocks.
+
+    Attributes
+    ----------
+    rate, channels, count : int
+        ``count`` is of samples.
+    power : ndarray, shape (channels,)
+        Sums of squares.
+    """
+
+    rate: int
+    channels: int
+    count: int
+    power: Samples
+
+    def cancels(self, mono: Samples) -> bool:
+        """Whether the channels cancel in their average: less is left of them than unrelated sounds would leave."""
+        if self.channels < 2 or not self.power.any():
+            return False
+        left = sum(float(np.square(mono[i : i + _BLOCK], dtype=np.float64).sum()) for i in range(0, len(mono), _BLOCK))
+        return left < 0.25 * float(self.power.mean()) / self.channels
+
+
+def _read(path: Path) -> tuple[Audio, tuple[Note, ...]]:
+    notes: list[Note] = []
+    mono, about = _mixed(path, None, notes)
+    rate = about.rate
+    if about.cancels(mono):
+        loudest_channel = int(np.argmax(about.power))
+        notes.append(
+            Note(
+                "warning",
+                f"{path.name}: its {about.channels} channels cancel in their average (one is the other turned over): "
+                f"channel {loudest_channel + 1} alone is used",
+            )
+        )
+        mono, _ = _mixed(path, loudest_channel, [])
+    elif about.channels > 1:
+        notes.append(Note("note", f"{path.name} has {about.channels} channels: their average is used"))
+    if len(mono) < SHORTEST * rate:
+        raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got {len(mono) / rate:.3f} s")
+    mono = _within_scale(mono, path, notes)
+    audio = Audio(mono, rate)
+    if rate > KEPT_RATE:
+        notes.append(Note("note", f"{path.name} is sampled at {rate} Hz: brought to {KEPT_RATE} Hz"))
+        audio = audio.resampled(KEPT_RATE)
+    elif rate <= _TELEPHONE_RATE:
+        notes.append(Note("note", f"{path.name} is sampled at {rate} Hz: /s f th/ are hard to place in such sound"))
+    return audio, tuple(notes)
+
+
+def _within_scale(mono: Samples, path: Path, notes: list[Note]) -> Samples:
+    """Without a constant offset, and no louder than full scale."""
+    offset = float(mono.mean(dtype=np.float64))
+    if abs(offset) > _OFFSET:
+        notes.append(Note("note", f"{path.name} has a constant offset of {offset:+.2f} of full scale: taken out"))
+        mono = mono - mono.dtype.type(offset)
+    loudest = float(max(mono.max(), -mono.min()))
+    if loudest > 1.0:
+        notes.append(Note("note", f"{path.name} peaks at {loudest:.2f} of full scale: turned down to fit"))
+        mono = mono / mono.dtype.type(loudest)
+        return mono
+    clipped = float((np.abs(mono) >= _FULL).mean())
+    if clipped > _CLIPPED:
+        notes.append(Note("warning", f"{path.name} is clipped ({clipped:.1%} of it at full scale): recorded too loud"))
+    return mono
+
+
+def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples, _Sum]:
+    """One channel, or the average of all, decoded block by block."""
+    parts: list[Samples] = []
+    about: _Sum | None = None
+    for block, rate in _blocks(path, notes):
+        if about is None:
+            if not MIN_RATE <= rate <= MAX_RATE:
+                raise InputError(f"{path}: expected a sample rate between {MIN_RATE} and {MAX_RATE} Hz, got {rate}")
+            check_size("channels", block.shape[1], path)
+            about = _Sum(rate, block.shape[1], 0, np.zeros(block.shape[1]))
+        if not np.isfinite(block).all():
+            bad = about.count + int(np.argmax(~np.isfinite(block).all(axis=1)))
+            raise InputError(f"{path}: sample {bad} ({bad / rate:.3f} s) is not a finite number: is the file damaged?")
+        about.count += len(block)
+        about.power += np.square(block).sum(axis=0)
+        check_size("hours", about.count / rate / 3600, path)
+        one = block.mean(axis=1) if channel is None else block[:, channel]
+        parts.append(one.astype(np.float64 if about.count <= _LONG * rate else np.float32))
+    if about is None:
+        raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got none")
+    if len({part.dtype for part in parts}) > 1:
+        parts = [part.astype(np.float32) for part in parts]
+    return np.concatenate(parts), about
+
+
+def _existing(path: Path) -> Path:
+    if path.is_dir():
+        raise InputError(f"{path}: expected a sound file, got a folder")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: expected a sound file, got a device or a pipe")
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    try:
+        size = path.stat().st_size
+        with path.open("rb"):
+            pass
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    if size == 0:
+        raise InputError(f"{path}: the file is empty")
+    return path
+
+
+def _blocks(path: Path, notes: list[Note]) -> Iterator[tuple[Samples, int]]:
+    """Samples of shape (n, channels), some seconds at a time, and their rate."""
+    import soundfile
+
+    checked = _checked_wav(path, notes)
+    try:
+        with soundfile.SoundFile(str(checked) if isinstance(checked, Path) else checked) as sound:
+            if sound.format != "MP3":
+                yield from _blocks_of_libsndfile(sound, path)
+                return
+    except soundfile.LibsndfileError as problem:
+        if path.suffix.lower() in (".flac", ".ogg") and _begins_as(path, b"fLaC", b"OggS"):
+            raise InputError(f"{path}: the file is damaged or cut short ({problem.error_string.strip()})") from problem
+    yield from _blocks_of_ffmpeg(path, notes)
+
+
+def _begins_as(path: Path, *marks: bytes) -> bool:
+    with path.open("rb") as file:
+        return file.read(4) in marks
+
+
+def _blocks_of_libsndfile(sound: Any, path: Path) -> Iterator[tuple[Samples, int]]:
+    expected, rate = sound.frames, int(sound.samplerate)
+    known = expected < 2**40
+    if known:
+        check_size("hours", expected / max(1, rate) / 3600, path)
+    check_size("channels", sound.channels, path)
+    got = 0
+    while len(block := sound.read(max(1, _BLOCK // sound.channels), dtype="float64", always_2d=True)):
+        got += len(block)
+        yield block, rate
+    if known and got < expected:
+        raise _cut_short(path, got / rate, expected / rate)
+
+
+def _checked_wav(path: Path, notes: list[Note]) -> Path | io.BytesIO:
+    """The file itself, or one with a header that holds, where its own does not.
+
+    Raises
+    ------
+    InputError
+        If a RIFF file promises more sound than it holds (libsndfile would read the rest in silence).
+    """
+    with path.open("rb") as file:
+        head = file.read(12)
+        if head[:4] != b"RIFF" or head[8:12] != b"WAVE":
+            return path
+        size, unpadded, form = path.stat().st_size, False, b""
+        while len(chunk := file.read(8)) == 8:
+            name, length = struct.unpack("<4sI", chunk)
+            if name == b"data":
+                held = size - file.tell()
+                _refuse_cut(path, length, held, notes)
+                if not form or not (unpadded or length == 0):
+                    return path
+                content = read_bytes(path)[file.tell() :]
+                length = min(length or held, held)
+                return io.BytesIO(_riff(form, content[:length]))
+            content_at = file.tell()
+            if name == b"fmt ":
+                form = file.read(min(length, _FEW_BYTES))
+            file.seek(content_at + length)
+            if length % 2 and file.read(1) not in (b"", b"\0"):  # the byte that makes lengths even was left out
+                unpadded = True
+                file.seek(-1, 1)
+    raise InputError(f"{path}: a WAV file without any sound in it: is it cut short?")
+
+
+def _refuse_cut(path: Path, promised: int, held: int, notes: list[Note]) -> None:
+    if promised <= held or promised in _UNKNOWN_LENGTHS:
+        return
+    if held <= 0 or promised - held > max(_FEW_BYTES, held // 100):
+        raise InputError(
+            f"{path}: the file is cut short: {promised} bytes of sound promised, {held} there; copy it again"
+        )
+    notes.append(Note("note", f"{path.name} promises {promised - held} bytes more than it holds"))
+
+
+def _riff(form: bytes, content: bytes) -> bytes:
+    """A WAV file of its format and its samples."""
+    chunks = b"".join(
+        name + struct.pack("<I", len(body)) + body + bytes(len(body) % 2)
+        for name, body in ((b"fmt ", form), (b"data", content))
+    )
+    return b"RIFF" + struct.pack("<I", 4 + len(chunks)) + b"WAVE" + chunks
+
+
+def _cut_short(path: Path, got: float, expected: float) -> InputError:
+    return InputError(f"{path}: the file is cut short: {expected:.2f} s promised, {got:.2f} s there; copy it again")
+
+
+def _blocks_of_ffmpeg(path: Path, notes: list[Note]) -> Iterator[tuple[Samples, int]]:
+    import av
+
+    got, rate = 0, 0
+    with open_media(path) as container:
+        if not container.streams.audio:
+            raise InputError(f"{path}: expected sound, got a file without a sound track")
+        if len(container.streams.audio) > 1:
+            count = len(container.streams.audio)
+            notes.append(Note("note", f"{path.name} has {count} sound tracks: the first is used"))
+        stream = container.streams.audio[0]
+        promised = _promised_seconds(stream)
+        check_size("hours", (promised or 0.0) / 3600, path)
+        resampler = None
+        try:
+            for frame in _with_end(container.decode(stream)):
+                if resampler is None:
+                    if frame is None:
+                        break
+                    rate = frame.sample_rate
+                    resampler = av.AudioResampler(format="dblp", layout=frame.layout, rate=rate)
+                for out in resampler.resample(frame):
+                    block = out.to_ndarray().T.astype(np.float64)
+                    got += len(block)
+                    yield block, rate
+        except av.FFmpegError as problem:
+            if not got:
+                raise InputError(
+                    f"{path}: expected a sound or video file, got nothing that can be decoded"
+                ) from problem
+            raise InputError(
+                f"{path}: the sound breaks off after {got / rate:.2f} s: the file is damaged or cut short"
+            ) from problem
+    if promised and got / max(1, rate) < promised - 0.5:
+        raise _cut_short(path, got / max(1, rate), promised)
+
+
+def _with_end(frames: Iterable[Frame]) -> Iterator[Frame | None]:
+    """The frames, then None, which makes a resampler give what it still holds."""
+    yield from frames
+    yield None
+
+
+def _promised_seconds(stream: object) -> float | None:
+    duration, base = getattr(stream, "duration", None), getattr(stream, "time_base", None)
+    return float(duration * base) if duration and base else None

@@ -1,0 +1,160 @@
+"""Bilabial closures: do the lips shut on P, B and M, and only there?
+
+Conventions
+-----------
+* The lips are shut in a frame whose lip opening (inner lips, mm) is below `CLOSED` = 0.75 mm.
+* A bilabial counts if there is speech on both sides of it: a phone, not a pause, touches it before and after. At the
+  edge of a pause the lips may rest shut, which says nothing.
+* It is found if a frame with shut lips lies in the phone or within `TOLERANCE` = 50 ms of it.
+* Precision is over speech frames (frames inside phones that are no pause): of those with shut lips, the share within
+  50 ms of a bilabial that counts. Frames within 50 ms of a bilabial beside a pause are left out of the balance: shut
+  lips are right there and are no proof of anything.
+* The same is asked of the recording itself; its own score is the yardstick, since a real speaker leaves some
+  bilabials open (in the eyes of a tracker) and shuts the lips now and then without one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.core.timeline import Interval, Tier
+
+__all__ = ["BILABIALS", "CLOSED", "TOLERANCE", "ClosureCounts", "closure_counts", "validate"]
+
+CLOSED = 0.75
+"""Millimetres of lip opening below which lips are shut."""
+TOLERANCE = 0.05
+"""Seconds about a phone within which its closure may fall."""
+BILABIALS = frozenset({"P", "B", "M"})
+_PAUSES = frozenset({"SIL", ""})
+_TOUCHING = 1e-3  # seconds between two phones that are still one stretch of speech
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ClosureCounts:
+    """What was counted; counts of several takes add up.
+
+    Attributes
+    ----------
+    bilabials, found : int
+        Bilabials that count, and those with shut lips.
+    closed_frames, right_frames : int
+        Speech frames with shut lips, and those of them at a bilabial that counts.
+    """
+
+    bilabials: int
+    found: int
+    closed_frames: int
+    right_frames: int
+
+    def __add__(self, other: ClosureCounts) -> ClosureCounts:
+        return ClosureCounts(
+            self.bilabials + other.bilabials,
+            self.found + other.found,
+            self.closed_frames + other.closed_frames,
+            self.right_frames + other.right_frames,
+        )
+
+    @property
+    def recall(self) -> float:
+        """Share of the bilabials that were found; NaN if there was none."""
+        return self.found / self.bilabials if self.bilabials else float("nan")
+
+    @property
+    def precision(self) -> float:
+        """Share of the shut frames that were right; NaN if the lips never shut."""
+        return self.right_frames / self.closed_frames if self.closed_frames else float("nan")
+
+    @property
+    def f1(self) -> float:
+        """Harmonic mean of precision and recall; 0 if the lips never shut, NaN without bilabials."""
+        if not self.bilabials:
+            return float("nan")
+        return 2 * self.recall * self.precision / (self.recall + self.precision) if self.right_frames else 0.0
+
+
+def validate(opening: Array, times: Array) -> None:
+    """Refuse an opening and times that are not both of shape (frames,)."""
+    if opening.ndim != 1 or opening.shape != times.shape:
+        raise InputError(f"expected one lip opening for each time, got shapes {opening.shape} and {times.shape}")
+
+
+def closure_counts(
+    opening: Array, times: Array, phones: Tier, counted: NDArray[np.bool_] | None = None
+) -> ClosureCounts:
+    """Count the closures of one take.
+
+    Parameters
+    ----------
+    opening : ndarray, shape (frames,)
+        Lip opening in mm; NaN where it was not seen (such a frame is neither open nor shut).
+    times : ndarray, shape (frames,)
+        Seconds.
+    phones : Tier
+        ARPAbet phones without stress, pauses as ``SIL``.
+    counted : ndarray of bool, shape (frames,), or None
+        Score inside these frames only: bilabials that lie in them whole, shut frames among them.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> tier = Tier("phones", (Interval(0.0, 0.1, "AA"), Interval(0.1, 0.2, "M"), Interval(0.2, 0.3, "AA")))
+    >>> times = np.arange(0.0, 0.3, 0.04)
+    >>> opening = np.where((times > 0.1) & (times < 0.2), 0.2, 6.0)
+    >>> closure_counts(opening, times, tier)
+    ClosureCounts(bilabials=1, found=1, closed_frames=2, right_frames=2)
+    """
+    validate(opening, times)
+    inside = np.ones(len(times), dtype=bool) if counted is None else counted
+    shut = np.nan_to_num(opening, nan=np.inf) < CLOSED
+    speech = _within(times, [p for p in phones if p.label not in _PAUSES], 0.0)
+    every = [p for p in phones if p.label in BILABIALS]
+    counting = [p for p in every if _has_speech_on_both_sides(p, phones)]
+    near = _within(times, counting, TOLERANCE)
+    beside_pause = _within(times, [p for p in every if p not in counting], TOLERANCE) & ~near
+    judged = shut & speech & inside & ~beside_pause
+    asked = [p for p in counting if inside[_frames_of(p, times)].all()]
+    return ClosureCounts(
+        bilabials=len(asked),
+        found=sum(bool((shut & _within(times, [p], TOLERANCE)).any()) for p in asked),
+        closed_frames=int(judged.sum()),
+        right_frames=int((judged & near).sum()),
+    )
+
+
+def _frames_of(phone: Interval, times: Array) -> NDArray[np.int64]:
+    """Frames inside a phone; if it is too short to hold one, the frames before and after it."""
+    first, after = (int(np.searchsorted(times, instant - 1e-9)) for instant in (phone.start, phone.end))
+    first, after = (first, after) if first < after else (first - 1, after + 1)
+    return np.arange(max(first, 0), min(after, len(times)))
+
+
+def _within(times: Array, intervals: list[Interval], margin: float) -> NDArray[np.bool_]:
+    """Which instants lie in one of the intervals widened by the margin."""
+    held = np.zeros(len(times), dtype=bool)
+    for interval in intervals:
+        held |= (times >= interval.start - margin - 1e-9) & (times < interval.end + margin + 1e-9)
+    return held
+
+
+def _has_speech_on_both_sides(phone: Interval, phones: Tier) -> bool:
+    place = phones.intervals.index(phone)
+    if not 0 < place < len(phones) - 1:
+        return False
+    before, after = phones.intervals[place - 1], phones.intervals[place + 1]
+    return (
+        before.label not in _PAUSES
+        and after.label not in _PAUSES
+        and phone.start - before.end < _TOUCHING
+        and after.start - phone.end < _TOUCHING
+    )

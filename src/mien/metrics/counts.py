@@ -1,0 +1,99 @@
+"""What is counted in one take for one model; every metric is read from sums of these.
+
+A tally is a mapping from a family of metrics to a vector. Tallies add up, so that a metric may be taken in each take
+and averaged, or over the frames of all takes pooled; and a bootstrap over takes is a product with their counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.metrics.closure import closure_counts
+from mien.metrics.distance import squared_distances
+from mien.metrics.scored_takes import Recording
+from mien.metrics.sync import is_undetectable, lag_of_best_correlation, onset_lag
+from mien.metrics.track_jitter import third_differences
+from mien.metrics.trajectory import moments, separation, velocity
+
+__all__ = ["Tally", "tally"]
+
+Array = NDArray[np.float64]
+Tally = Mapping[str, Array]
+
+
+def tally(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) -> Tally:
+    """Compare a synthesised mouth with the recorded one.
+
+    Parameters
+    ----------
+    recording : Recording
+    synthesised : ndarray, shape (frames, markers, 3)
+        Millimetres, one frame for each of the recording, the same markers.
+    counted : ndarray of bool, shape (frames,)
+        Frames to score.
+
+    Returns
+    -------
+    mapping of str to ndarray
+        ``distance`` and ``lips`` (sum, count), ``jitter`` (sum, count), the moments of ``opening``, ``width``,
+        ``opening_velocity`` and ``width_velocity``, ``closure`` (4 counts), and ``sync`` (lag, onset lag, whether
+        the lag goes unnoticed; each followed by its count).
+
+    Raises
+    ------
+    InputError
+        If the model made another number of frames or markers, or numbers that are not finite.
+    """
+    recorded, sites = recording.positions, recording.sites
+    if synthesised.shape != recorded.shape or not np.isfinite(synthesised).all():
+        raise InputError(
+            f"take {recording.take.name!r}: expected finite positions of shape {recorded.shape} from the model, "
+            f"got shape {synthesised.shape}"
+        )
+    squared = squared_distances(recorded[counted], synthesised[counted])
+    result = {
+        "distance": np.array([squared.sum(), squared.size]),
+        "lips": np.array([squared[:, sites.lips].max(axis=1).sum(), len(squared)]),
+        "jitter": _jitter(synthesised, counted),
+        "closure": _closure(recording, synthesised, counted),
+        "sync": _sync(recording, synthesised),
+    }
+    for name, (one, other) in (("opening", sites.opening), ("width", sites.width)):
+        curves = [separation(positions, one, other) for positions in (recorded, synthesised)]
+        result[name] = moments(curves[0][counted], curves[1][counted])
+        speeds = [velocity(curve, recording.fps) for curve in curves]
+        moving = counted & np.isfinite(speeds[0])
+        result[f"{name}_velocity"] = moments(speeds[0][moving], speeds[1][moving]) if moving.any() else np.zeros(6)
+    return result
+
+
+def _jitter(positions: Array, counted: NDArray[np.bool_]) -> Array:
+    """Over runs of four counted frames."""
+    whole = np.convolve(counted, np.ones(4), mode="valid") == 4
+    if len(positions) < 4 or not whole.any():
+        return np.zeros(2)
+    values = third_differences(np.where(counted[:, None, None], positions, 0.0))[whole]
+    return np.array([values.sum(), values.size])
+
+
+def _closure(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) -> Array:
+    if not recording.sites.inner:
+        return np.zeros(4)
+    opening = separation(synthesised, *recording.sites.opening)
+    counts = closure_counts(opening, recording.times, recording.take.phones, counted)
+    return np.array([counts.bilabials, counts.found, counts.closed_frames, counts.right_frames], dtype=np.float64)
+
+
+def _sync(recording: Recording, synthesised: Array) -> Array:
+    """Lags of the whole take; where one cannot be told its count is 0."""
+    held = recording.speech
+    curves = [separation(positions, *recording.sites.opening) for positions in (recording.positions, synthesised)]
+    lag = lag_of_best_correlation(curves[0][held], curves[1][held], recording.fps)
+    seen = np.isfinite(curves[0])
+    late = onset_lag(curves[0][seen], curves[1][seen], recording.times[seen], recording.first_phone)
+    values = [lag, late, float(is_undetectable(lag)) if np.isfinite(lag) else np.nan]
+    return np.array([part for v in values for part in (np.nan_to_num(v), float(np.isfinite(v)))])

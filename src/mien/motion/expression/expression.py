@@ -1,0 +1,127 @@
+"""`Expression`: what the emotions of a score ask of the face, sampled from expressive motion.
+
+Each emotion of the score is a stretch of new motion from an `ExpressionSpace`, weighed by its intensity over time (SPEC
+A13). Emotions that overlap share the face: where their intensities add up to more than one, each gets its part. What
+is left below one is neutral: a face at rest is not a still face.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core import channels
+from mien.core.errors import Note, unknown_name
+from mien.core.timeline import FrameRate
+from mien.motion.expression.expression_space import RATE, ExpressionSpace
+from mien.text.score import EmotionSpan, Score
+
+__all__ = ["NEUTRAL", "RAMP", "Expression", "weights_of"]
+
+Floats = NDArray[np.float64]
+NEUTRAL = "neutral"
+RAMP = 0.35
+"""Seconds over which an emotion comes and goes where it starts or ends inside the line."""
+
+
+class Expression:
+    """Expression channels from the emotions of a score.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Emotions that can be asked for.
+    space_of : callable
+        The space in which an emotion has its curves; its carried columns are `mien.core.channels.ALL`. Called when the
+        emotion is performed.
+    sealed_share : ndarray, shape (channels,)
+        Share of each channel that remains while the lips must be shut.
+    authored : collection of str
+        Emotions whose motion was authored rather than recorded; asking for one leaves a note on a recorded performer.
+    """
+
+    def __init__(
+        self,
+        names: tuple[str, ...],
+        space_of: Callable[[str], ExpressionSpace],
+        sealed_share: Floats,
+        authored: frozenset[str] = frozenset(),
+    ) -> None:
+        self.names, self.sealed_share, self.authored = tuple(sorted(names)), sealed_share, authored
+        self.space_of = space_of
+
+    def check(self, score: Score) -> None:
+        """Refuse a score that asks for an emotion this performer does not have.
+
+        Raises
+        ------
+        InputError
+            Naming the nearest emotion that exists.
+        """
+        for span in score.emotions:
+            if span.name not in self.names:
+                raise unknown_name("emotion", span.name, self.names)
+
+    def notes(self, score: Score) -> tuple[Note, ...]:
+        """What should be known about the emotions asked for: which were not recorded, if others were."""
+        if self.authored.issuperset(set(self.names) - {NEUTRAL}):
+            return ()
+        made = sorted({span.name for span in score.emotions} & self.authored - {NEUTRAL})
+        return tuple(
+            Note("note", f"{name} was not recorded for this performer: its motion is authored") for name in made
+        )
+
+    def perform(
+        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True
+    ) -> Floats:
+        """Expression channels, shape (frames, channels), for every frame that covers ``duration`` seconds.
+
+        ``neutral`` False leaves out the neutral face's own small motion, for motion that is alive already.
+        """
+        self.check(score)
+        times = rate.times(rate.frames_covering(duration))
+        spans = (EmotionSpan(NEUTRAL), *score.emotions)
+        values = np.zeros((len(times), len(channels.ALL)))
+        # One generator for each emotion: what one draws leaves the others as they are.
+        for span, weight, draws in zip(spans, weights_of(score, times), random.spawn(len(spans)), strict=True):
+            if weight.any() and (neutral or span.name != NEUTRAL):
+                values += weight[:, None] * self._motion(span.name, times, draws)
+        return values
+
+    def _motion(self, emotion: str, times: Floats, random: np.random.Generator) -> Floats:
+        # Whole seconds, so that the draws do not depend on the frame rate.
+        carried = self.space_of(emotion).sample(emotion, float(np.floor(times[-1]) + 1), random).carried
+        places = times * RATE
+        first = np.minimum(places.astype(np.int64), len(carried) - 2)
+        share = (places - first)[:, None]
+        return np.asarray((1 - share) * carried[first] + share * carried[first + 1])
+
+
+def weights_of(score: Score, times: Floats) -> Floats:
+    """Weights of neutral and of each emotion of a score, shape (1 + emotions, times); at each instant they sum to one.
+
+    Examples
+    --------
+    >>> score = Score((EmotionSpan("sad", 0.8), EmotionSpan("angry", 0.8)))
+    >>> weights_of(score, np.array([1.0])).round(2).ravel().tolist()
+    [0.0, 0.5, 0.5]
+    """
+    asked = np.array([span.intensity_at(times) * _ramp(times, span) for span in score.emotions]).reshape(-1, len(times))
+    asked /= np.maximum(asked.sum(axis=0), 1.0)
+    return np.concatenate([1 - asked.sum(axis=0, keepdims=True), asked])
+
+
+def _ramp(times: Floats, span: EmotionSpan) -> Floats:
+    """1 inside the span, 0 outside, half a cosine over `RAMP` about each end that lies inside the line."""
+    weight = np.ones(len(times))
+    if span.start is not None:
+        weight *= _ease((times - span.start) / RAMP + 0.5)
+    if span.end is not None:
+        weight *= _ease((span.end - times) / RAMP + 0.5)
+    return weight
+
+
+def _ease(passed: Floats) -> Floats:
+    return np.asarray((1 - np.cos(np.pi * np.clip(passed, 0.0, 1.0))) / 2)

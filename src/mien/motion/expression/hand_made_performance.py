@@ -1,0 +1,165 @@
+"""The expressive repertoire that needs no recordings: emotions performed in action units by an authored table.
+
+AUTHORED, not learned (``assets/performance/emotions.toml``). Each emotion is a performance of a minute: units are held,
+wander, swell in episodes with onset, hold and offset, and are never quite the same on both sides. The performance goes
+through the same `ExpressionSpace` as a recording would: as displacements of the markers on the face, with the channels
+carried beside them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from mien.capture.layouts import load_layout
+from mien.core import channels
+from mien.core.facs import action_units, unit_track
+from mien.core.poses import pose_vector, read_table
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
+from mien.face.library import load_face
+from mien.face.model import Face
+from mien.face.retargeting import basis_at
+from mien.motion.drift import smooth_drift
+from mien.motion.expression.expression import Expression
+from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
+
+__all__ = [
+    "authored_expression",
+    "authored_performance",
+    "authored_sources",
+    "marker_basis",
+    "sealed_share",
+    "without_eyelids",
+]
+
+Floats = NDArray[np.float64]
+TABLE = "emotions.toml"
+LAYOUT = "face-102"
+"""Markers on which the space of the authored repertoire is learned: a set like that of Deng et al. 2006."""
+SETTLED = 2.0  # seconds at the start of a performance that are left out: nobody is caught in the middle of an onset
+
+
+def authored_expression() -> Expression:
+    """The expression model of performers without expressive recordings.
+
+    Examples
+    --------
+    >>> authored_expression().names
+    ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
+    """
+    names = tuple(read_table(TABLE)["emotion"])
+    return Expression(names, lambda _: authored_space(), sealed_share(), frozenset(names))
+
+
+def sealed_share() -> Floats:
+    """Share of each channel that remains while the lips must be shut, shape (channels,)."""
+    share = np.ones(len(channels.ALL))
+    for name, left in read_table(TABLE)["sealed_share"].items():
+        share[channels.ALL.index(name)] = left
+    return share
+
+
+@cache
+def authored_space() -> ExpressionSpace:
+    """The expression space of the authored repertoire."""
+    return ExpressionSpace().fit(authored_sources())
+
+
+def authored_sources() -> dict[str, list[ExpressiveMotion]]:
+    """All performances as expressive motion: displacements of markers on the default face, channels carried beside."""
+    basis = marker_basis(load_face("default"), LAYOUT, without_eyelids(LAYOUT))
+    found = {}
+    for name in read_table(TABLE)["emotion"]:
+        performed = authored_performance(name)
+        found[name] = [ExpressiveMotion(performed @ basis, performed)]
+    return found
+
+
+def authored_performance(emotion: str) -> Floats:
+    """One emotion performed for a minute at `RATE`, shape (samples, channels); the same bits at every call."""
+    table = read_table(TABLE)
+    facts, entry = table["performance"], table["emotion"][emotion]
+    # The seed goes by the name, so that an emotion added to the table leaves the others as they are.
+    random = np.random.default_rng([facts["seed"], *emotion.encode()])
+    times = np.arange(round((facts["seconds"] + SETTLED) * RATE)) / RATE
+    swells = _episodes(facts, entry["episodes"][0], times, random)
+    units: dict[str, Floats] = {}
+    for unit, (held, wander) in entry["units"].items():
+        units |= _unit(unit, held, wander, facts, entry, times, swells, random)
+    values = unit_track(
+        ChannelTrack(tuple(units), np.stack(list(units.values()), axis=1), FrameRate.of(RATE))
+    ).values.copy()
+    head = pose_vector(entry["head"], f"{TABLE}, emotion {emotion}")
+    turning = [channels.ALL.index(name) for name in channels.HEAD]
+    values[:, turning] += head[turning] * (1 + 0.2 * _drifts(times, 3, facts["wander_time"]["head"], random))
+    return np.asarray(values[round(SETTLED * RATE) :])
+
+
+def _unit(
+    unit: str,
+    held: float,
+    wander: float,
+    facts: Mapping[str, Any],
+    entry: Mapping[str, Any],
+    times: Floats,
+    swells: Floats,
+    random: np.random.Generator,
+) -> dict[str, Floats]:
+    """The weight of a unit over time, for each of its sides where it has sides."""
+    mouth = any(name in channels.MOUTH for name in action_units()[unit.rstrip("LR")].both)
+    memory = facts["wander_time"]["mouth" if mouth else "upper"]
+    late = float(np.clip(random.normal(0, facts["lag"]), -2 * facts["lag"], 2 * facts["lag"]))
+    swell = np.interp(times - late, times, swells)
+    weight = held * (1 + entry["episodes"][1] * swell) + wander * smooth_drift(times, memory, random)
+    sway = facts["sway"] * smooth_drift(times, 2.0, random)
+    if unit[-1] in "LR" or not action_units()[unit].left:
+        return {unit: np.clip(weight, 0, 1)}
+    lean = (entry["lean"] + sway) / 2
+    return {unit + "L": np.clip(weight * (1 + lean), 0, 1), unit + "R": np.clip(weight * (1 - lean), 0, 1)}
+
+
+def _episodes(facts: Mapping[str, Any], per_minute: float, times: Floats, random: np.random.Generator) -> Floats:
+    """How far the emotion has swollen: between its mean, 0, and the apex of an episode, shape (samples,)."""
+    swell, now = np.zeros(len(times)), 0.0
+    while now < times[-1]:
+        onset, hold, offset = (float(random.uniform(*facts[name])) for name in ("onset", "hold", "offset"))
+        rise = np.clip((times - now) / onset, 0, 1)
+        fall = np.clip((times - now - onset - hold) / offset, 0, 1)
+        swell = np.maximum(swell, np.sin(np.pi / 2 * rise) ** 2 * np.cos(np.pi / 2 * fall) ** 2)
+        now += max(float(random.gamma(4.0, 60.0 / per_minute / 4.0)), onset + hold)
+    return np.asarray(swell - swell.mean())
+
+
+def _drifts(times: Floats, count: int, memory: float, random: np.random.Generator) -> Floats:
+    return np.stack([smooth_drift(times, memory, random) for _ in range(count)], axis=1)
+
+
+def without_eyelids(layout: str) -> tuple[str, ...]:
+    """Markers of a layout that are not on the eyelids, in its order.
+
+    Examples
+    --------
+    >>> len(load_layout("face-102").markers) - len(without_eyelids("face-102"))
+    4
+    """
+    found = load_layout(layout)
+    lids = {found.landmarks.get(number) for number in read_table(TABLE)["performance"]["eyelids"]["landmarks"]}
+    return tuple(name for name in found.markers if name not in lids)
+
+
+def marker_basis(face: Face, layout: str, markers: Sequence[str]) -> Floats:
+    """How far markers of a layout move for each channel at weight 1, shape (channels, markers * 3), mm.
+
+    The head's turns are no motion of the face: their rows are zero.
+    """
+    found = load_layout(layout)
+    skin = face.part("skin")
+    _, vertices = cKDTree(skin.vertices).query(found.places[found.index(markers)])
+    basis = basis_at(face, [(skin.name, int(vertex)) for vertex in vertices], channels.WEIGHTS)
+    return np.concatenate([basis.reshape(len(basis), -1), np.zeros((len(channels.HEAD), basis.shape[1] * 3))])

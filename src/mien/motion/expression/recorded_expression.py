@@ -1,0 +1,92 @@
+"""Expressions of a recorded person: an expression space from their own expressive takes (SPEC A11-A14)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError, Note
+from mien.corpus.take import Take
+from mien.face.library import load_face
+from mien.face.model import Face
+from mien.motion.expression.expression import Expression
+from mien.motion.expression.expression_file import RecordedExpressions, rounded
+from mien.motion.expression.expression_motion import Twins, expressive_displacement, find_twins
+from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
+from mien.motion.expression.hand_made_performance import authored_expression, without_eyelids
+from mien.motion.marker_channels import MarkerChannels
+
+__all__ = ["expression_of", "learn_expressions"]
+
+Floats = NDArray[np.float64]
+LEAST_SECONDS = 1.0
+"""Seconds of expressive motion that an emotion needs; of less it is not learned."""
+
+
+def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> RecordedExpressions | None:
+    """Learn from every expressive take that has a neutral twin; None if no emotion was recorded so.
+
+    Parameters
+    ----------
+    takes : sequence of Take
+        Expressive and neutral ones, of one layout.
+    face : Face or None
+        The face whose channels are carried; None takes the default face.
+
+    Raises
+    ------
+    InputError
+        If expressive takes have twins, but none of them can be used; the message tells the first reason.
+    """
+    stretches: dict[str, list[Floats]] = {}
+    faults: list[str] = []
+    twins = find_twins(takes)
+    for pair in twins:
+        try:
+            stretches.setdefault(pair.expressive.emotion, []).append(expressive_displacement(pair))
+        except InputError as problem:
+            faults.append(str(problem))
+    patch = LEAST_SECONDS * RATE
+    kept = {name: found for name, found in sorted(stretches.items()) if sum(map(len, found)) >= patch}
+    if not kept:
+        if faults:
+            raise InputError(
+                f"none of the {len(twins)} expressive takes with a neutral twin can be used (mend or leave them out): "
+                f"{faults[0]}"
+            )
+        return None
+    to_channels = _ChannelsOfMarkers(twins[0], face or load_face("default"))
+    space = ExpressionSpace().fit({name: [to_channels.stretch(rows) for rows in found] for name, found in kept.items()})
+    return RecordedExpressions(rounded(space), tuple(Note("warning", f"left out: {fault}") for fault in faults))
+
+
+class _ChannelsOfMarkers:
+    """The channels of a face that move its marker places as a speaker's markers moved."""
+
+    def __init__(self, twins: Twins, face: Face) -> None:
+        take = twins.neutral
+        rest = np.asarray(np.nanmean(take.markers.positions, axis=0))
+        lids = set(take.markers.names) - set(without_eyelids(take.layout))
+        self.kept = [place for place, name in enumerate(take.markers.names) if name not in lids]
+        self.face = MarkerChannels(take.layout, take.markers.names, rest, face)
+
+    def stretch(self, displacement: Floats) -> ExpressiveMotion:
+        """Expressive motion of a displacement, shape (samples, markers, 3): eyelids carried, not in the space."""
+        carried = self.face.channels_of(displacement, RATE)
+        return ExpressiveMotion(displacement[:, self.kept].reshape(len(displacement), -1), carried)
+
+
+def expression_of(recorded: RecordedExpressions | None) -> Expression:
+    """The expression model of a performer: what was recorded, and the authored repertoire for what was not."""
+    authored = authored_expression()
+    if recorded is None:
+        return authored
+    names = tuple(sorted({*authored.names, *recorded.space.emotions}))
+    own = frozenset(recorded.space.emotions)
+
+    def space_of(emotion: str) -> ExpressionSpace:
+        return recorded.space if emotion in own else authored.space_of(emotion)
+
+    return Expression(names, space_of, authored.sealed_share, frozenset(names) - own)

@@ -1,0 +1,135 @@
+"""`CombinedMotion`: learned curves where nothing like it was recorded, recordings where something was.
+
+`SpeechMotion` carries the motion; the Anime Graph adds what it recorded beside it (`recorded_residuals`), as far as
+what is said was recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.core.timeline import Tier
+from mien.corpus.take import Take
+from mien.motion.graph.graph import AnimeGraph
+from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings, covering, trimmed
+from mien.motion.graph.recorded_residuals import RecordedResiduals
+from mien.motion.graph.sound import heard_features
+from mien.motion.mouth.recorded_mouths import only_mouth
+from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
+
+__all__ = ["CombinedMotion", "CombinedMotionSettings", "learned_residuals", "residuals_of"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CombinedMotionSettings:
+    """Settings of `CombinedMotion`.
+
+    Attributes
+    ----------
+    speech : SpeechMotionSettings
+        Whether closures are held is told by its ``hold_closures``.
+    graph : GraphMotionSettings
+        Its weights are for `GraphMotion` alone; by default they are not learned here.
+    seed : int
+        Of the nodes on which weights are tried.
+    """
+
+    speech: SpeechMotionSettings = field(default_factory=SpeechMotionSettings)
+    graph: GraphMotionSettings = field(default_factory=GraphMotionSettings.of_the_paper)
+    seed: int = 0
+
+
+class CombinedMotion:
+    """Mouth motion from phones and sound, by learned curves and recorded residuals.
+
+    Parameters
+    ----------
+    settings : CombinedMotionSettings
+
+    Attributes
+    ----------
+    speech_ : SpeechMotion
+    residuals_ : RecordedResiduals
+    """
+
+    def __init__(self, settings: CombinedMotionSettings | None = None) -> None:
+        self.settings = settings or CombinedMotionSettings()
+
+    @property
+    def markers_(self) -> tuple[str, ...]:
+        """Names of the mouth markers, in the order of what `synthesise` returns."""
+        return self.speech_.markers_
+
+    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+        """Learn from takes; other markers than those of the mouth are left out.
+
+        Raises
+        ------
+        InputError
+            If there is no take, the takes do not share their markers, or none has a frame with speech.
+        """
+        speech = SpeechMotion(self.settings.speech).fit(takes, after_epoch)
+        graph = GraphMotion(self.settings.graph).fit(takes).graph_
+        return self.restore(speech, learned_residuals(speech, graph, takes, self.settings.seed))
+
+    def restore(self, speech: SpeechMotion, residuals: RecordedResiduals) -> Self:
+        """Take parts that were made before."""
+        self.speech_, self.residuals_ = speech, residuals
+        return self
+
+    def synthesise(self, phones: Tier, times: Floats) -> Floats:
+        """Positions of the mouth markers, by phones and their lengths alone; as `SpeechMotion.synthesise`."""
+        return self._performed(phones, times, None)
+
+    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
+        """The same by what is heard too."""
+        return self._performed(phones, times, heard_features(audio, phones))
+
+    def _performed(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+        times = np.asarray(times, dtype=np.float64)
+        if not len(times):
+            return np.zeros((0, len(self.markers_), 3))
+        said = covering(phones, float(times.min()), float(times.max()))
+        space = self.speech_.space_
+        components = self.speech_.components(phones, times) + self.residuals_.at(said, times, features)
+        positions = space.decode(components).reshape(len(times), len(self.markers_), 3)
+        held = self.speech_.settings.hold_closures
+        return self.speech_.closure_.hold(positions, phones, times) if held else positions
+
+
+def learned_residuals(
+    speech: SpeechMotion, graph: AnimeGraph, takes: Sequence[Take], seed: int = 0
+) -> RecordedResiduals:
+    """Residuals of a graph beside a model's prediction, and what tells which fit; the takes are those of the graph."""
+    residuals = RecordedResiduals(graph)
+    return residuals.fit(residuals_of(speech, residuals, takes), seed)
+
+
+def residuals_of(speech: SpeechMotion, residuals: RecordedResiduals, takes: Sequence[Take]) -> Floats:
+    """What the nodes of a graph did beside a model's prediction, shape (nodes, 5, components of its space).
+
+    The takes are those of the graph, in its order.
+    """
+    graph, instants = residuals.graph, residuals.instants()
+    found = np.zeros((*instants.shape, speech.settings.components))
+    for number, take in enumerate(takes):
+        nodes = np.flatnonzero(graph.take_of == number)
+        if not len(nodes):
+            continue
+        take = trimmed(only_mouth(take))
+        flat = take.markers.positions.reshape(len(take.markers), -1)
+        seen = np.isfinite(flat).all(axis=1)
+        times = take.markers.rate.times(len(flat))[seen]
+        beside = speech.space_.encode(flat[seen]) - speech.components(take.phones, times)
+        at = instants[nodes].ravel()
+        columns = [np.interp(at, times, column) for column in beside.T]
+        found[nodes] = np.stack(columns, axis=1).reshape(len(nodes), instants.shape[1], -1)
+    return found

@@ -1,0 +1,270 @@
+"""`GraphMotion`: recorded motion found for new speech, and joined (Cao et al. 2005, section 4; SPEC B2 to B6).
+
+The takes become an Anime Graph; the nodes of least cost are searched for the phones that are said, by what they sound
+like where there is sound; their motion is warped, joined and smoothed; closures are then held (`lip_closure`) as for
+the other speech models. The weights of the search are the paper's, or are learned from the takes
+(`weight_learning`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.core.errors import InputError
+from mien.core.timeline import Interval, Tier
+from mien.core.tracks import MarkerTrack
+from mien.core.utterance import PAUSE
+from mien.corpus.take import Take
+from mien.motion.graph.candidates import GraphIndex, candidates_for
+from mien.motion.graph.compact import snapped_graph
+from mien.motion.graph.costs import SearchWeights
+from mien.motion.graph.graph import AnimeGraph, RecordedChain, build_graph, frame_spans, without_gaps
+from mien.motion.graph.joining import Joiner
+from mien.motion.graph.motion_code import PAPER_SHARE, MotionCode
+from mien.motion.graph.query import SpokenPhones, spoken_phones
+from mien.motion.graph.search import cheapest_nodes
+from mien.motion.graph.smoothing import learned_cut_offs, low_passed
+from mien.motion.graph.sound import SOUND_RATE, heard_features
+from mien.motion.mouth.lip_closure import LipClosure, find_lips
+from mien.motion.mouth.recorded_mouths import only_mouth, recorded_mouths
+
+__all__ = ["GRID_RATE", "LEARNED_START", "PAPER_WEIGHTS", "GraphMotion", "GraphMotionSettings", "covering", "trimmed"]
+
+MARGIN = 0.32
+"""Seconds before and after speech that the code of the motion is learned with, as in `speech_motion`."""
+KEPT = 0.3
+"""Seconds of silence that are kept before and after speech, at least."""
+GRID_RATE = 100.0
+"""Instants per second at which motion is joined and smoothed; frames are read off between them."""
+PAPER_WEIGHTS = SearchWeights()
+LEARNED_START = SearchWeights(jump=1.0, join=1.0, audio=1.0, duration=2.0)
+"""Where the learning of the weights begins, and what is used where too few takes are there to learn from."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GraphMotionSettings:
+    """Settings of `GraphMotion`.
+
+    Attributes
+    ----------
+    share : float
+        Share of the variance of the motion that is kept (`motion_code`).
+    weights : SearchWeights or None
+        Of the search; None learns them.
+    evenness : float or None
+        Share of an even warp against that by the sound (`joining`); None learns it.
+    smooth : bool
+        Whether joined motion passes the learned low-pass filters.
+    hold_closures : bool
+        Whether the lips are drawn shut at bilabials after synthesis.
+    seed : int
+        Of the independent components.
+    """
+
+    share: float = PAPER_SHARE
+    weights: SearchWeights | None = None
+    evenness: float | None = None
+    smooth: bool = True
+    hold_closures: bool = True
+    seed: int = 0
+
+    @classmethod
+    def of_the_paper(cls) -> GraphMotionSettings:
+        """The paper's weights and warp."""
+        return cls(weights=PAPER_WEIGHTS, evenness=0.0)
+
+
+class GraphMotion:
+    """Mouth motion from phones and sound, out of recorded takes.
+
+    Parameters
+    ----------
+    settings : GraphMotionSettings
+
+    Attributes
+    ----------
+    markers_ : tuple of str
+        Names of the mouth markers, in the order of what `synthesise` returns.
+    layout_ : str
+    code_ : MotionCode
+    graph_ : AnimeGraph
+        Snapped to small steps (`compact`).
+    steps_ : ndarray, shape (components,)
+        Of its motion.
+    cut_offs_ : ndarray, shape (components,)
+        Of the low-pass filter of each independent component, Hz.
+    weights_ : SearchWeights
+    evenness_ : float
+    closure_ : LipClosure
+    """
+
+    def __init__(self, settings: GraphMotionSettings | None = None) -> None:
+        self.settings = settings or GraphMotionSettings()
+
+    def fit(self, takes: Sequence[Take], after_trial: Callable[[], None] = lambda: None) -> Self:
+        """Learn from takes; other markers than those of the mouth are left out.
+
+        Parameters
+        ----------
+        takes : sequence of Take
+        after_trial : callable
+            Called `weight_learning.TRIALS` times if weights are learned, to show progress.
+
+        Raises
+        ------
+        InputError
+            If there is no take, the takes do not share their markers, or none has a frame with speech.
+        """
+        if not takes:
+            raise InputError("no take to learn from")
+        takes = [trimmed(only_mouth(take)) for take in takes]
+        mouths = recorded_mouths(takes, MARGIN)
+        self.markers_, self.layout_ = takes[0].markers.names, takes[0].layout
+        self.code_ = MotionCode(self.settings.share, self.settings.seed)
+        self.code_.fit(np.concatenate([mouth.positions for mouth in mouths]))
+        self.closure_ = LipClosure(find_lips(self.layout_, self.markers_)).fit(mouths)
+        chains = [self._chain(take) for take in takes]
+        moves = [chain.motion[np.isfinite(chain.motion).all(axis=1)] for chain in chains]
+        self.cut_offs_ = learned_cut_offs([self.code_.separate(move) for move in moves], chains[0].motion_rate.fps)
+        weights, evenness = self.settings.weights, self.settings.evenness
+        if weights is None or evenness is None:
+            from mien.motion.graph.weight_learning import learn_weights
+
+            weights, evenness = learn_weights(self, takes, chains, weights, evenness, after_trial)
+        graph, self.steps_ = snapped_graph(build_graph(chains, len(self.markers_), instants=True))
+        return self.restore(graph, weights, evenness)
+
+    def restore(self, graph: AnimeGraph, weights: SearchWeights, evenness: float) -> Self:
+        """Take a graph and weights that were made before."""
+        self.graph_, self.weights_, self.evenness_ = graph, weights, evenness
+        self.index_, self._joiner = GraphIndex(graph), Joiner(graph, evenness)
+        return self
+
+    def _chain(self, take: Take) -> RecordedChain:
+        flat = take.markers.positions.reshape(len(take.markers), -1)
+        heard = heard_features(take.audio, take.phones)
+        motion = self.code_.encode(flat)
+        return RecordedChain(take.name, take.phones, take.emotion, heard, SOUND_RATE, motion, take.markers.rate)
+
+    def synthesise(self, phones: Tier, times: Floats) -> Floats:
+        """Positions of the mouth markers, by phones and their lengths alone.
+
+        Parameters
+        ----------
+        phones : Tier
+            ARPAbet phones without stress, pauses as ``SIL``; outside it there is silence.
+        times : ndarray, shape (frames,)
+            Seconds.
+
+        Returns
+        -------
+        ndarray, shape (frames, markers, 3)
+            Millimetres, in the axes of the takes.
+
+        Raises
+        ------
+        InputError
+            If a label is no phone.
+        """
+        return self.perform_features(phones, np.asarray(times, dtype=np.float64), None)
+
+    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
+        """The same by what is heard too."""
+        return self.perform_features(phones, np.asarray(times, dtype=np.float64), heard_features(audio, phones))
+
+    def asked(self, phones: Tier, features: Floats | None) -> tuple[SpokenPhones, SearchWeights]:
+        """What is searched for, and with which weights: without sound it costs nothing how a node sounds."""
+        weights = self.weights_
+        if features is None:
+            last = phones.intervals[-1].end if len(phones) else 0.0
+            features = np.zeros((SOUND_RATE.frames_covering(last), self.graph_.features.shape[1]))
+            weights = replace(weights, audio=0.0)
+        return spoken_phones(phones, features, SOUND_RATE), weights
+
+    def perform_features(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+        """The same by features that were made before (`heard_features`), or by None."""
+        if not len(times):
+            return np.zeros((0, len(self.markers_), 3))
+        said = covering(phones, float(times.min()), float(times.max()))
+        asked, weights = self.asked(said, features)
+        nodes, _ = cheapest_nodes(candidates_for(self.index_, asked, weights))
+        motion = self.joined(nodes, said, times, features)
+        positions = self.code_.decode(motion).reshape(len(times), len(self.markers_), 3)
+        return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
+
+    def joined(
+        self, nodes: Sequence[int] | NDArray[np.int64], said: Tier, times: Floats, features: Floats | None
+    ) -> Floats:
+        """Joined and smoothed motion of nodes, shape (frames, components); one node for each phone of ``said``."""
+        first = np.floor(times.min() * GRID_RATE)
+        grid = (first + np.arange(np.ceil(times.max() * GRID_RATE) - first + 1)) / GRID_RATE
+        heard = None
+        if features is not None:
+            spans = frame_spans(said, SOUND_RATE, len(features))
+            heard = [features[start : start + count] for start, count in spans]
+        motion = self._joiner.join(nodes, said, grid, heard)
+        if self.settings.smooth:
+            motion = self.code_.mix(low_passed(self.code_.separate(motion), GRID_RATE, self.cut_offs_))
+        return np.stack([np.interp(times, grid, column) for column in motion.T], axis=1)
+
+
+def trimmed(take: Take) -> Take:
+    """A take without long silences at its ends, which tell nothing: shorter by whole frames of motion and sound."""
+    spoken = [phone for phone in take.phones if phone.label != PAUSE]
+    if not spoken:
+        return take
+    rate, step = take.markers.rate, Fraction(1, 5)
+    first = max(Fraction(0), math.floor(Fraction(spoken[0].start - KEPT) / step) * step)
+    if (first * rate.fraction).denominator != 1:
+        first = Fraction(0)
+    begin, end = float(first), spoken[-1].end + KEPT
+    rows = slice(int(first * rate.fraction), rate.frames_covering(end) + 1)
+    sound = slice(round(begin * take.audio.rate), math.ceil(end * take.audio.rate))
+    return replace(
+        take,
+        audio=Audio(take.audio.samples[sound], take.audio.rate),
+        markers=MarkerTrack(take.markers.names, take.markers.positions[rows], rate),
+        phones=_between(take.phones, begin, end),
+        words=_between(take.words, begin, end),
+        head=None,
+        channels=None,
+    )
+
+
+def _between(tier: Tier, first: float, last: float) -> Tier:
+    """What lies between two instants, in seconds from the first of them."""
+    kept = [
+        Interval(max(i.start, first) - first, min(i.end, last) - first, i.label)
+        for i in tier
+        if i.end > first and i.start < last
+    ]
+    return Tier(tier.name, tuple(kept))
+
+
+def covering(phones: Tier, first: float, last: float) -> Tier:
+    """The same phones without gaps, with pauses before and after them that reach the given instants, seconds.
+
+    Examples
+    --------
+    >>> tier = covering(Tier("phones", (Interval(0.2, 0.4, "AY"),)), 0.0, 1.0)
+    >>> [(phone.label, phone.start, phone.end) for phone in tier]
+    [('SIL', 0.0, 0.2), ('AY', 0.2, 0.4), ('SIL', 0.4, 1.0)]
+    """
+    filled = list(without_gaps(phones))
+    if not filled:
+        return Tier(phones.name, (Interval(first, max(last, first + 1 / GRID_RATE), PAUSE),))
+    if filled[0].start > first + 1e-9:
+        filled.insert(0, Interval(first, filled[0].start, PAUSE))
+    if last > filled[-1].end + 1e-9:
+        filled.append(Interval(filled[-1].end, last, PAUSE))
+    return Tier(phones.name, tuple(filled))

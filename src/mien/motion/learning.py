@@ -1,0 +1,158 @@
+"""Learning a performer's speech from takes: one call, its progress, and what may be left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from mien.core.errors import InputError, unknown_name
+from mien.corpus.recordings import Corpus, identity_of
+from mien.corpus.take import Take
+from mien.motion.expression.expression_motion import find_twins
+from mien.motion.expression.recorded_expression import learn_expressions
+from mien.motion.graph.combined_motion import learned_residuals
+from mien.motion.graph.graph_file import RecordedSpeech
+from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
+from mien.motion.graph.weight_learning import TRIALS
+from mien.motion.maps.emotion_maps import learn_emotion_maps
+from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
+from mien.motion.mouth.influence_curves import fitting_cost
+from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
+from mien.motion.performer_file import SPEECH_MODELS, LearnedSpeech
+
+__all__ = ["LearningSettings", "Progress", "learn", "learn_corpus"]
+
+Progress = Callable[[int, int, str], None]
+"""Called with steps done, steps in all, and what is being done."""
+
+
+@dataclass(frozen=True)
+class LearningSettings:
+    """What is learned, and how.
+
+    Attributes
+    ----------
+    speech : SpeechMotionSettings
+    paper : CoarticulationSettings
+    graph : GraphMotionSettings
+    speech_model : str
+        ``coarticulation``: learned curves alone; ``graph``: recorded motion too, and it performs; ``both``: the curves
+        are corrected by what was recorded, and that performs.
+    """
+
+    speech: SpeechMotionSettings = field(default_factory=SpeechMotionSettings)
+    paper: CoarticulationSettings = field(default_factory=lambda: CoarticulationSettings(class_back_off=True))
+    graph: GraphMotionSettings = field(default_factory=GraphMotionSettings)
+    speech_model: str = "both"
+
+    def __post_init__(self) -> None:
+        if self.speech_model not in SPEECH_MODELS:
+            raise unknown_name("speech model", self.speech_model, SPEECH_MODELS)
+
+
+def learn(
+    takes: Sequence[Take],
+    settings: LearningSettings | None = None,
+    progress: Progress | None = None,
+    *,
+    name: str = "learned",
+    about: Mapping[str, str] | None = None,
+) -> LearnedSpeech:
+    """Learn how a person speaks.
+
+    Parameters
+    ----------
+    takes : sequence of Take
+        Of one layout and frame rate.
+    settings : LearningSettings or None
+    progress : callable (done, total, what) or None
+    name : str
+        Of the performer.
+    about : mapping of str to str
+        Licence, attribution: kept in the file.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to learn from.
+    """
+    settings = settings or LearningSettings()
+    motion = SpeechMotion(settings.speech)
+    recorded = settings.speech_model != "coarticulation"
+    trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0
+    total, done = motion.epochs + 1 + trials + int(recorded), 0
+
+    def step(what: str) -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done, total, what)
+
+    motion.fit(takes, lambda: step("mouth"))
+    paper = Coarticulation(settings.paper).fit(takes)
+    cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
+    step("curves")
+    graph = _recorded(motion, takes, settings, lambda: step("graph")) if recorded else None
+    if recorded:
+        step("recordings")
+    known = tuple(sorted(identity_of(take) for take in takes))
+    return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
+
+
+def _recorded(
+    motion: SpeechMotion, takes: Sequence[Take], settings: LearningSettings, after_trial: Callable[[], None]
+) -> RecordedSpeech:
+    """The graph of the takes, and for ``both`` what they did beside the learned curves."""
+    graph = GraphMotion(settings.graph).fit(takes, after_trial)
+    if settings.speech_model == "graph":
+        return RecordedSpeech.of(graph, None)
+    return RecordedSpeech.of(graph, learned_residuals(motion, graph.graph_, takes))
+
+
+def learn_corpus(
+    corpus: Corpus,
+    settings: LearningSettings | None = None,
+    progress: Progress | None = None,
+    *,
+    name: str = "learned",
+    exclude_words: Collection[str] = (),
+    exclude_names: Collection[str] = (),
+) -> LearnedSpeech:
+    """Learn speech from the neutral takes of a corpus, and expressions from those that have an emotion.
+
+    Parameters
+    ----------
+    corpus : Corpus
+    settings, progress, name
+        As in `learn`.
+    exclude_words : collection of str
+        Takes in which one of these words is said are left out.
+    exclude_names : collection of str
+        Takes of these names are left out.
+
+    Raises
+    ------
+    InputError
+        If a name to leave out is not in the corpus, or no take is left.
+    """
+    unknown = sorted(set(exclude_names) - set(corpus.names))
+    if unknown:
+        raise InputError(f"{corpus.folder}: takes to leave out are not in this corpus: {', '.join(unknown[:5])}")
+    words = {word.lower() for word in exclude_words}
+    takes = [corpus.take(take) for take in corpus.names if take not in exclude_names and _is_neutral(corpus, take)]
+    takes = [take for take in takes if words.isdisjoint(word.label.lower() for word in take.words)]
+    if not takes:
+        raise InputError(f"{corpus.folder}: no neutral take is left to learn from; leave out less")
+    about = {key: str(value) for key, value in corpus.about.items() if key in ("licence", "citation")}
+    felt = [corpus.take(take) for take in corpus.names if take not in exclude_names and not _is_neutral(corpus, take)]
+    felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
+    felt = [pair.expressive for pair in find_twins([*takes, *felt])]
+    expressions = learn_expressions([*takes, *felt]) if felt else None  # first: it is quick, and may refuse
+    maps = learn_emotion_maps([*takes, *felt]) if felt else None
+    learned = learn(takes, settings, progress, name=name, about=about)
+    known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
+    return replace(learned, expressions=expressions, trained_on=known, emotion_maps=maps)
+
+
+def _is_neutral(corpus: Corpus, take: str) -> bool:
+    return corpus.entries[take]["emotion"] in ("", "neutral")

@@ -1,0 +1,89 @@
+"""The performers that come with mien, and performers in files of your own."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from mien.core.errors import InputError, unknown_name
+from mien.motion.alive.idle import AuthoredIdle
+from mien.motion.performer import Performer
+from mien.motion.performer_file import LearnedSpeech, load_learned
+
+__all__ = ["AUTHORED", "known_performers", "load_learned_performer", "load_performer"]
+
+AUTHORED = "authored"
+"""Name of the performer that was made by hand and needs no file."""
+
+
+def _folder() -> Path:
+    return Path(str(resources.files("mien") / "assets" / "performers"))
+
+
+def known_performers() -> tuple[str, ...]:
+    """Names of the performers that come with mien.
+
+    Examples
+    --------
+    >>> known_performers()
+    ('authored', 'default')
+    """
+    return (AUTHORED, *sorted(path.stem for path in _folder().glob("*.mien")))
+
+
+def load_learned_performer(name: str | Path) -> LearnedSpeech:
+    """What was learned of a performer, by name or from a ``.mien`` file.
+
+    Raises
+    ------
+    InputError
+        If the name is not known, or the file is missing or damaged.
+
+    Examples
+    --------
+    >>> load_learned_performer("default").motion.layout_
+    'mediapipe-218'
+    """
+    learned = [performer for performer in known_performers() if performer != AUTHORED]
+    if isinstance(name, Path) or str(name).lower().endswith(".mien"):
+        return load_learned(name)
+    if name not in learned:
+        raise unknown_name("learned performer", name, learned)
+    return load_learned(_folder() / f"{name}.mien")
+
+
+def load_performer(name: str | Path = "default", speech_model: str | None = None) -> Performer:
+    """A performer ready to speak, by name or from a ``.mien`` file.
+
+    A learned performer brings its own mouth, and its own expressions where they were recorded; the other expressions
+    and the signs of life are authored.
+
+    Parameters
+    ----------
+    name : str or Path
+    speech_model : str or None
+        ``coarticulation``, ``graph`` or ``both``, as far as the performer has learned it; None takes its own.
+
+    Raises
+    ------
+    InputError
+        If the name is not known, the file is missing or damaged, or the performer lacks the speech model.
+
+    Examples
+    --------
+    >>> load_performer("authored").name
+    'authored'
+    """
+    if name == AUTHORED:
+        if speech_model is not None:
+            raise InputError(f"the authored performer has no speech model {speech_model!r}: it was learned from nobody")
+        return Performer.authored()
+    if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
+        raise unknown_name("performer", str(name), known_performers())
+    from mien.motion.expression.recorded_expression import expression_of
+    from mien.motion.mouth.learned_mouth import LearnedMouth
+
+    learned = load_learned_performer(name)
+    mouth = LearnedMouth(learned, speech_model=speech_model)
+    expression = expression_of(learned.expressions)
+    return Performer(learned.name, mouth, expression, AuthoredIdle(), emotion_maps=learned.emotion_maps)

@@ -1,5 +1,0 @@
-"""Files that mien writes: one adapter per format, each says what it loses."""
-
-from mien.output.registry import EXPORTERS, Exporter, check_output, save
-
-__all__ = ["EXPORTERS", "Exporter", "check_output", "save"]

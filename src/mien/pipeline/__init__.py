@@ -1,0 +1,1 @@
+"""The way of a line, step by step: inputs, speak, translate, perform. Read `perform` first."""

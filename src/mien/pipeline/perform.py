@@ -1,0 +1,149 @@
+"""THE pipeline: Utterance + Score + Performer -> Animation. Pure steps; read this first.
+
+mouth       what the phones ask of the mouth, and when the lips must stay shut; a song opens it further
+expression  what the emotions ask of the whole face
+idle        blinks, glances, a moving head
+prosody     brows and nods on the accents and phrase ends of the voice
+blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
+direct      curves of the score (gestures, gaze, action units) are laid over the result
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.animation.animation import Animation, Provenance
+from mien.core import channels
+from mien.core.errors import Note
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
+from mien.core.utterance import Utterance
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.singing import sing
+from mien.motion.performer import Performer
+from mien.text.parameter_curves import ParameterCurve, lay_over
+from mien.text.score import Score
+
+__all__ = ["blend", "direct", "express", "perform"]
+
+_WEIGHTS = slice(0, len(channels.WEIGHTS))
+_BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
+_LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
+
+
+def perform(utterance: Utterance, score: Score, performer: Performer, rate: FrameRate, seed: int = 0) -> Animation:
+    """Let a performer speak an utterance as the score directs.
+
+    Parameters
+    ----------
+    utterance : Utterance
+    score : Score
+    performer : Performer
+    rate : FrameRate
+        Of the animation.
+    seed : int
+        The same seed, input and version give the same animation, bit for bit.
+
+    Returns
+    -------
+    Animation
+        Covers the sound: ``rate.frames_covering(utterance.duration)`` frames.
+    """
+    for_expression, for_idle, for_prosody = np.random.default_rng(seed).spawn(3)
+    mouth = performer.mouth.perform(utterance, rate)
+    if utterance.sung:
+        mouth = sing(mouth, utterance, rate)
+    expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
+    idle = performer.idle.perform(utterance, rate, for_idle)
+    prosody = performer.prosody.perform(utterance, rate, for_prosody)
+    share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
+    values = direct(blend(mouth.values, expression * share + prosody, idle), score.curves, rate, share)
+    return Animation(
+        channels=ChannelTrack(channels.ALL, values, rate),
+        markers=mouth.markers,
+        utterance=utterance,
+        score=score,
+        provenance=Provenance(performer.name, seed, version("mien")),
+        notes=utterance.notes + performer.expression.notes(score),
+    )
+
+
+def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:
+    """Lay expressions over finished motion, ours or imported (SPEC A16b).
+
+    Parameters
+    ----------
+    animation : Animation
+        Where its phones are known, the lips stay shut where they must.
+    score : Score
+        The emotions; added to those that the animation answers to.
+    performer : Performer
+        Whose expressions.
+    seed : int
+
+    Returns
+    -------
+    Animation
+        The same frames, sound and markers; edits by hand cannot be taken off it any more.
+    """
+    random, rate, motion = np.random.default_rng(seed), animation.rate, animation.channels.select(channels.ALL).values
+    duration = len(motion) / rate.fps
+    expression = performer.expression.perform(score, duration, rate, random, neutral=False)[: len(motion)]
+    seal = AuthoredMouth().seals(animation.utterance, rate)[0][: len(motion), None]
+    share = np.ones((len(motion), 1))
+    share[: len(seal)] -= seal
+    share = share + (1 - share) * performer.expression.sealed_share
+    felt = expression * share
+    felt[:, _LIDS] *= 1 - np.clip(motion[:, _BLINK].max(axis=1, keepdims=True), 0, 1)  # blinks are in the motion
+    values = motion + felt
+    values[:, _BLINK] = 1 - (1 - motion[:, _BLINK]) * (1 - np.clip(felt[:, _BLINK], 0, 1))
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    told = "the edits by hand are part of the motion now: the expression lies over them"
+    return replace(
+        animation,
+        channels=ChannelTrack(channels.ALL, values, rate),
+        score=replace(animation.score, emotions=animation.score.emotions + score.emotions),
+        notes=animation.notes
+        + performer.expression.notes(score)
+        + ((Note("note", told),) if animation.edits is not None else ()),
+        edits=None,
+    )
+
+
+def blend(
+    mouth: NDArray[np.float64], expression: NDArray[np.float64], idle: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay expression and idle motion over the speaking mouth; all of shape (frames, channels).
+
+    A blink takes the lids from whatever holds them: squint and wide eyes fade as the lids close.
+    Weights are kept in [0, 1]; head angles add up.
+    """
+    values: NDArray[np.float64] = mouth + expression + idle
+    blink = np.clip(idle[:, _BLINK].max(axis=1), 0, 1)
+    values[:, _LIDS] *= 1 - blink[:, None]
+    values[:, _BLINK] = 1 - (1 - np.clip((mouth + expression)[:, _BLINK], 0, 1)) * (1 - blink[:, None])
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    return values
+
+
+def direct(
+    values: NDArray[np.float64], curves: Sequence[ParameterCurve], rate: FrameRate, share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay the score's curves over motion; all of shape (frames, channels).
+
+    What is added gives way where the lips are shut, by ``share`` as expressions do; what is set is set exactly. Lids
+    that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1].
+    """
+    if not curves:
+        return values
+    times = rate.times(len(values))
+    values = lay_over(values, channels.ALL, curves, times, share)
+    asked = lay_over(np.zeros_like(values), channels.ALL, [c for c in curves if c.mode == "add"], times)
+    values[:, _LIDS] *= 1 - np.clip(asked[:, _BLINK].max(axis=1, keepdims=True), 0, 1)
+    values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    return values

@@ -1,0 +1,305 @@
+"""`speak`: a script gets a voice, and everything in it a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import TypeVar
+
+from mien.core.audio import Audio
+from mien.core.errors import InputError, MienError, Note
+from mien.core.timeline import Tier
+from mien.core.utterance import Utterance
+from mien.pipeline.script_places import Clock
+from mien.pipeline.spoken import Spoken
+from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
+from mien.speech.sound_reshaping import Change, reshape
+from mien.text.commands import Command, CommandLibrary, shipped_library
+from mien.text.intensity import IntensityCurve
+from mien.text.languages import read_words
+from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.parameter_curves import ParameterCurve
+from mien.text.score import EmotionSpan
+from mien.text.script import DirectedCommand, DirectedCurve, DirectedEmotion, Script, Segment
+from mien.text.sync_points import Moment, plain
+
+__all__ = ["place", "speak", "speak_over"]
+
+_RATE = 24_000  # samples per second where nothing is said
+_STILL = 1.0  # seconds that a command without words is followed by
+_ROOM = 0.1  # seconds after the last gesture
+_EARLY = 1000.0  # ms before the sound at which a command may begin
+Result = TypeVar("Result")
+
+
+def speak(
+    script: Script,
+    voice: str | None = None,
+    seed: int = 0,
+    library: CommandLibrary | None = None,
+    language: str | Path | None = None,
+) -> Spoken:
+    """Speak a script and give its direction times.
+
+    Parameters
+    ----------
+    script : Script
+    voice : str or None
+        Goes before the voice that the script names for the whole; ``<voice>`` inside it goes before both.
+    seed : int
+    library : CommandLibrary, optional
+        For the parameters that a command's length goes into.
+    language : str, Path or None
+        As for `mien.say`; goes before the language that the script names.
+
+    Raises
+    ------
+    InputError
+        If nothing can be spoken or a time lies outside the sound.
+    MissingPartError
+        If a voice is not installed.
+    """
+    joined = _spoken(script, voice or script.voice, seed, language or script.language)
+    changed = _with_room(_reshaped(joined, script), script, library or shipped_library())
+    return place(script, changed, library)
+
+
+def speak_over(
+    script: Script,
+    align: Callable[[str, str | Path | None], Utterance],
+    library: CommandLibrary | None = None,
+    language: str | Path | None = None,
+) -> Spoken:
+    """Give a script's direction the times of a recording in which its words are said.
+
+    Parameters
+    ----------
+    align : callable
+        Given the text and its language, finds its words and phones in the recording.
+    library : CommandLibrary, optional
+    language : str, Path or None
+        As for `mien.say`; goes before the language that the script names.
+    """
+    text, starts = "", []
+    for segment in script.segments:
+        text = text + " " if text and not text.endswith((" ", "\n")) else text
+        starts.append(len(text))
+        text += segment.text
+    language = language or script.language
+    utterance = align(text, language)
+    spoken = read_words(text, language).words
+    places = []
+    for word in spoken:
+        number = max(n for n, start in enumerate(starts) if start <= word.start)
+        places.append(WordPlace(number, word.start - starts[number], word.end - starts[number]))
+    if len(places) != len(utterance.words):
+        if script.points and utterance.timing != "none":
+            raise InputError("the words of the script and of the recording differ, so nothing can be placed at words")
+        places = []
+    asked = any(segment.silence is not None or segment.start for segment in script.segments)
+    if script.prosody or asked or any(s.voice or s.spellings for s in script.segments):
+        message = "pauses, prosody and voices of the script are not followed: the recording has its own"
+        utterance = utterance.with_notes(Note("note", message))
+    return place(script, Joined(utterance, tuple(places)), library)
+
+
+def _spoken(script: Script, voice: str | None, seed: int, language: str | Path | None) -> Joined:
+    from mien.speech.synthesis import synthesise
+
+    told = [n for n, s in enumerate(script.segments) if any(char.isalnum() for char in s.text)]
+    if not told:
+        return _silent(script)
+    pieces: dict[int, tuple[Utterance, SpokenText]] = {}
+    for number in told:
+        segment = script.segments[number]
+        spellings = [(s.start, s.end, s.phones) for s in segment.spellings]
+        own, notes = _own_voice(segment.voice)
+        spoken_in = None if own else language
+        said = synthesise(segment.text, voice=own or voice, seed=seed, language=spoken_in, spellings=spellings)
+        said = said.with_notes(*notes)
+        pieces[number] = said, read_words(segment.text, spoken_in, said.language)
+    first, spoken = pieces[told[0]]
+    alone = script.segments[told[0]]
+    if len(script.segments) == 1 and alone.silence is None and alone.start is None:
+        return Joined(first, tuple(WordPlace(0, word.start, word.end) for word in spoken.words))
+    joiner, waiting = Joiner(first.audio.rate), 0.0
+    for number, segment in enumerate(script.segments):
+        silence = _silence(segment, script, joiner, waiting)
+        if number not in pieces:
+            waiting = silence or 0.0
+            continue
+        joiner.add(*pieces[number], number, silence)
+        waiting = 0.0
+    if waiting:
+        joiner.silence(waiting)
+    notes = [note for number in told[1:] for note in pieces[number][0].notes if note not in first.notes]
+    return Joined(joiner.finish(first, script.text).with_notes(*notes), tuple(joiner.places))
+
+
+def _own_voice(asked: str | None) -> tuple[str | None, list[Note]]:
+    """The first that is there of the voices a segment asks for; None: the usual one, with a note if it has to do."""
+    from mien.speech.voices import get_voice
+
+    names = (asked or "").split()
+    if len(names) < 2:
+        return asked, []  # the engine tells if it is not there
+    problems = list[str]()
+    for name in names:
+        if name == "...":
+            return None, [Note("note", f"{'; '.join(problems)}; the usual voice speaks instead")]
+        try:
+            get_voice(name)
+        except MienError as problem:
+            problems.append(str(problem).partition("?")[0].partition("; known")[0])
+        else:
+            return name, []
+    raise InputError(problems[0])
+
+
+def _silence(segment: Segment, script: Script, joiner: Joiner, waiting: float) -> float | None:
+    """Seconds of silence before a segment; None as the voice has it."""
+    silence = segment.silence / 1000 + waiting if segment.silence is not None else (waiting or None)
+    if segment.start is None:
+        return silence
+    so_far = Utterance("", Audio.silence(joiner.now, joiner.rate), Tier("words", tuple(joiner.words)),
+                       with_pauses(joiner.phones, joiner.now), "", "voice")  # fmt: skip
+    clock = Clock(Joined(so_far, tuple(joiner.places)), script.points)
+    wanted = segment.start.resolve(clock.time_of) / 1000 - joiner.last
+    return max(wanted, silence or 0.0)
+
+
+def _silent(script: Script) -> Joined:
+    """An utterance in which nothing is said, as long as its pauses and commands ask for."""
+    asked = script.commands or script.curves or any(segment.silence for segment in script.segments)
+    if not asked:
+        spoken_words(script.text)  # says what is wrong with an empty text
+    pauses = sum(segment.silence or 0.0 for segment in script.segments)
+    moments = [moment for item in script.commands for moment in (item.at, item.until) if moment]
+    moments += [moment for curve in script.curves for moment, _ in curve.keys]
+    last = max((moment.offset for moment in moments), default=0.0)
+    seconds = pauses / 1000 if pauses else last / 1000 + _STILL
+    audio = Audio.silence(seconds, _RATE)
+    language = script.language or "en-US"
+    nothing = Utterance("", audio, Tier("words", ()), with_pauses([], audio.duration), language, "none")
+    return Joined(nothing, ())
+
+
+def _reshaped(joined: Joined, script: Script) -> Joined:
+    if not script.prosody:
+        return joined
+    clock = Clock(joined, script.points)
+    changes = []
+    for item in script.prosody:
+        start, end = item.start.resolve(clock.time_of) / 1000, item.end.resolve(clock.time_of) / 1000
+        if end > start:
+            changes.append(Change(start, end, item.rate, item.pitch, item.volume))
+    return replace(joined, utterance=reshape(joined.utterance, changes))
+
+
+def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joined:
+    """Silence at the end, for commands that stand after the last word."""
+    utterance, clock = joined.utterance, Clock(joined, script.points)
+    if not utterance.words.intervals:
+        return joined
+    last_word, needed = utterance.words.intervals[-1].end * 1000, 0.0
+    for item in script.commands:
+        if not item.at.terms or item.at.terms[0][0].partition(".")[0] not in clock.points:
+            continue
+        at = _at(item.command.where, partial(item.at.resolve, clock.time_of))
+        if item.until is None and last_word - 1 <= at <= utterance.duration * 1000:
+            curves = library.translate(item.command.with_(at=plain(at))).curves
+            needed = max(needed, *(curve.keys[-1][0] / 1000 for curve in curves))
+    if needed <= utterance.duration:
+        return joined
+    more = Audio.silence(needed - utterance.duration + _ROOM, utterance.audio.rate)
+    audio = Audio.join([utterance.audio, more])
+    return replace(joined, utterance=over_longer_sound(utterance, audio))
+
+
+def place(script: Script, joined: Joined, library: CommandLibrary | None = None) -> Spoken:
+    """Give everything in a script its time in an utterance.
+
+    Raises
+    ------
+    InputError
+        If a place is not in the text, or a time lies outside the sound; with file and line.
+    """
+    library = library or shipped_library()
+    clock = Clock(joined, script.points, script.segments)
+    notes: list[Note] = []
+    commands = tuple(
+        _at(item.command.where, partial(_command, item, clock, library, notes)) for item in script.commands
+    )
+    curves = tuple(_at(item.where, partial(_curve, item, clock)) for item in script.curves)
+    utterance = joined.utterance.with_notes(*script.notes, *notes)
+    return Spoken(utterance, _emotions(script.emotions, clock), commands, curves)
+
+
+def _at(where: str, job: Callable[[], Result]) -> Result:
+    try:
+        return job()
+    except InputError as problem:
+        if not where or str(problem).startswith(where):
+            raise
+        raise InputError(f"{where}: {problem}") from problem
+
+
+def _command(item: DirectedCommand, clock: Clock, library: CommandLibrary, notes: list[Note]) -> Command:
+    at = item.at.resolve(clock.time_of)
+    _inside(item.command.name, at, clock)
+    command = item.command
+    if item.until is not None:
+        command = _lasting(item, item.until.resolve(clock.time_of) - at, library, notes)
+    return command.with_(at=plain(at))
+
+
+def _inside(name: str, at: float, clock: Clock) -> None:
+    if not -_EARLY <= at <= clock.duration * 1000:
+        raise InputError(
+            f"{name}: its time, {at / 1000:g} s, lies outside the sound, which lasts {clock.duration:.3f} s "
+            "(plain numbers are milliseconds from its start)"
+        )
+
+
+def _lasting(item: DirectedCommand, length: float, library: CommandLibrary, notes: list[Note]) -> Command:
+    """A command whose length is that of what it stands around."""
+    command = item.command
+    if length <= 0:
+        raise InputError(f"{command.name}: it would end {-length:g} ms before it begins")
+    has, given = library[command.name].parameters, command.given
+    if "count" in has and "count" in given and "period" in has and not {"period", "frequency"} & set(given):
+        return command.with_(period=plain(round(length / float(given["count"]), 3)))
+    if {"count", "end", "duration"} & set(given):
+        return command
+    for name in ("end", "duration"):
+        if name in has:
+            return command.with_(**{name: plain(round(length, 3))})
+    notes.append(Note("note", f"{command.where}: {command.name} has a length of its own"))
+    return command
+
+
+def _curve(item: DirectedCurve, clock: Clock) -> ParameterCurve:
+    keys = tuple((moment.resolve(clock.time_of), value) for moment, value in item.keys)
+    if keys[-1][0] < 0 or keys[0][0] > clock.duration * 1000:
+        _inside(f"curve of {item.parameter}", keys[0][0] if keys[0][0] > 0 else keys[-1][0] - 2 * _EARLY, clock)
+    return ParameterCurve(item.parameter, keys, item.interpolation, "set" if item.mode == "set" else "add", item.fade)
+
+
+def _emotions(emotions: Sequence[DirectedEmotion], clock: Clock) -> tuple[EmotionSpan, ...]:
+    def seconds(moment: Moment | None) -> float | None:
+        return None if moment is None else moment.resolve(clock.time_of) / 1000
+
+    def strength(emotion: DirectedEmotion) -> float | IntensityCurve:
+        if not emotion.keys:
+            return emotion.intensity
+        keys = [(moment.resolve(clock.time_of) / 1000, value) for moment, value in emotion.keys]
+        if any(after[0] <= before[0] for before, after in pairwise(keys)):
+            told = ", ".join(f"{value:g} at {at:.3f} s" for at, value in keys)
+            raise InputError(f"emotion {emotion.name!r}: the points of its intensity do not rise in time: {told}")
+        return IntensityCurve(tuple(at for at, _ in keys), tuple(value for _, value in keys))
+
+    spans = [EmotionSpan(e.name, strength(e), start=seconds(e.start), end=seconds(e.end)) for e in emotions]
+    return tuple(s for s in spans if s.start is None or s.end is None or s.end > s.start)

@@ -1,0 +1,1 @@
+"""Motion served while it is wanted: the live stream, the four modules as programs, the studio."""

@@ -1,0 +1,91 @@
+"""Frames sent as UDP packets to engines: VMC and Live Link Face."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import uuid
+from collections.abc import AsyncIterator, Callable, Sequence
+from typing import Any
+
+from mien.core.errors import InputError, OutputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
+from mien.formats.livelink_csv import livelink_motion
+from mien.serve.live.frames import Frame
+from mien.serve.live.livelink_packets import LiveLinkPacket, encode_livelink
+from mien.serve.live.vmc import VmcEncoder
+
+__all__ = ["LIVELINK_PORT", "VMC_PORT", "Encode", "datagrams", "livelink_encoder", "parse_address", "vmc_encoder"]
+
+VMC_PORT, LIVELINK_PORT = 39539, 11111
+
+Encode = Callable[[Frame], bytes]
+
+
+def parse_address(text: str, port: int) -> tuple[str, int]:
+    """Read ``HOST``, ``HOST:PORT``, ``:PORT`` or ``[IPV6]:PORT``; ``port`` where none is given.
+
+    Raises
+    ------
+    InputError
+        If the port is no number from 1 to 65535.
+
+    Examples
+    --------
+    >>> parse_address("192.168.0.7", 39539), parse_address(":11111", 39539), parse_address("[::1]:5000", 1)
+    (('192.168.0.7', 39539), ('127.0.0.1', 11111), ('::1', 5000))
+    """
+    host, colon, number = text.rpartition(":") if text.count(":") == 1 or "]:" in text else (text, "", "")
+    if colon:
+        if not number.isdigit() or not 1 <= int(number) <= 65535:
+            raise InputError(f"expected HOST:PORT with a port from 1 to 65535, got {text!r}")
+        port = int(number)
+    return host.strip("[]") or "127.0.0.1", port
+
+
+def vmc_encoder(channels: Sequence[str], shapes: str) -> Encode:
+    """Packets of the VMC protocol (`mien.serve.live.vmc`)."""
+    return VmcEncoder(channels, shapes).encode
+
+
+def livelink_encoder(channels: Sequence[str], rate: FrameRate, subject: str) -> Encode:
+    """Packets of Live Link Face under the name that the engine shows."""
+    names = tuple(channels)
+    device = str(uuid.uuid5(uuid.NAMESPACE_DNS, subject)).upper()  # the same subject is the same device at every start
+
+    def encode(frame: Frame) -> bytes:
+        numbers = livelink_motion(ChannelTrack(names, frame.values[None], rate))[0]
+        fraction = rate.fraction
+        packet = LiveLinkPacket(device, subject, frame.number, (fraction.numerator, fraction.denominator), numbers)
+        return encode_livelink(packet)
+
+    return encode
+
+
+@contextlib.asynccontextmanager
+async def datagrams(address: tuple[str, int]) -> AsyncIterator[Callable[[bytes], None]]:
+    """Send packets to an address while the context lasts; whether anyone hears them cannot be known.
+
+    Raises
+    ------
+    OutputError
+        If the name of the host cannot be resolved.
+    """
+    loop = asyncio.get_running_loop()
+    try:
+        transport, _ = await loop.create_datagram_endpoint(_Deaf, remote_addr=address)
+    except (OSError, socket.gaierror) as problem:
+        raise OutputError(f"cannot send to {address[0]}:{address[1]}: {problem.strerror or problem}") from problem
+    try:
+        yield transport.sendto
+    finally:
+        transport.close()
+
+
+class _Deaf(asyncio.DatagramProtocol):
+    """Nobody listening is no fault of a stream: the engine may be started later."""
+
+    def error_received(self, problem: Any) -> None:
+        """A refused packet: the next one may be heard."""

@@ -1,0 +1,58 @@
+"""The text of a line, read and measured before a voice or an aligner is asked: a short text can ask for hours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mien.core.errors import InputError
+from mien.serve.studio.requests import FieldError
+from mien.serve.studio.settings import Limits
+from mien.text.commands import shipped_library
+from mien.text.languages import read_words
+from mien.text.script import Script
+from mien.text.script_reading import read_script
+from mien.text.sync_points import Moment, plain
+
+__all__ = ["checked_script"]
+
+_WORDS_PER_SECOND = 4.0
+"""Nobody speaks many more, so a text of more words than this makes more sound than is taken."""
+
+
+def checked_script(text: str, language: str | None, limits: Limits) -> Script:
+    """Read a line; never the name of a file.
+
+    Raises
+    ------
+    FieldError
+        If it cannot be read, or would make more sound than the studio takes.
+    """
+    try:
+        script = read_script(text)
+        words = len(read_words(script.text, language or script.language).words) if script.text.strip() else 0
+        seconds = words / _WORDS_PER_SECOND + sum(segment.silence or 0.0 for segment in script.segments) / 1000
+        seconds = max([seconds, *_moments(script), *_lengths(script)])
+    except InputError as problem:
+        raise FieldError("text", str(problem)) from problem
+    if seconds > limits.seconds:
+        told = f"at least {seconds:.0f} s of sound; the studio takes {limits.seconds:.0f} s"
+        raise FieldError("text", f"the line would make {told}")
+    return script
+
+
+def _moments(script: Script) -> Iterator[float]:
+    """Seconds at which something is asked for, as far as they stand in the text."""
+    moments: list[Moment | None] = [segment.start for segment in script.segments]
+    moments += [moment for item in script.commands for moment in (item.at, item.until)]
+    moments += [moment for curve in script.curves for moment, _ in curve.keys]
+    moments += [moment for item in script.emotions for moment in (item.start, item.end)]
+    return (moment.offset / 1000 for moment in moments if moment is not None)
+
+
+def _lengths(script: Script) -> Iterator[float]:
+    """Seconds that each command lasts."""
+    library = shipped_library()
+    for item in script.commands:
+        if item.until is None:
+            for curve in library.translate(item.command.with_(at=plain(0.0))).curves:
+                yield curve.keys[-1][0] / 1000

@@ -1,0 +1,165 @@
+"""Does the text fit the sound? The aligner always answers, even for a text that nobody said.
+
+Three signs are looked for, with limits calibrated on true and on spoilt transcripts (docs/tables/alignment.md):
+
+* a run of phones whose acoustic scores are far below what true transcripts reach;
+* words laid on silence;
+* speech in a pause, where the text has no words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.core.errors import Note
+from mien.core.utterance import PAUSE
+from mien.text.normalisation import SpokenText
+
+if TYPE_CHECKING:
+    from mien.speech.align import AlignedPhone
+
+__all__ = ["Misfit", "doubts", "misfits"]
+
+RUN = 9
+"""Phones whose scores are averaged."""
+LOWEST_RUN_SCORE = -52.0
+"""A run that scores lower on average does not fit."""
+LOWEST_RUN_SCORE_THROUGH_A_MAP = -64.0
+"""The same for a language whose phones the English model hears through a phone map (docs/languages.md)."""
+LOWEST_PHONE_SCORE = -150.0
+"""Scores are clipped here, so that one odd phone does not condemn its run."""
+QUIET_WORD = 36.0
+"""Decibels that the loudest part of a word lies below speech for the word to count as laid on silence."""
+LOUD_PAUSE = 10.0
+"""Decibels below speech that still count as speech in a pause."""
+LONG_PAUSE_SPEECH = 0.30
+"""Seconds of such loudness in one pause that count as words left out."""
+_FRAME = 0.02
+
+Kind = Literal["poor fit", "words on silence", "speech without words"]
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """A stretch, in seconds, where text and sound do not seem to fit.
+
+    ``first_word`` and ``last_word`` are the numbers of the words in it, both included; -1 where there are none.
+    """
+
+    kind: Kind
+    start: float
+    end: float
+    first_word: int = -1
+    last_word: int = -1
+
+
+def doubts(
+    audio: Audio, spoken: SpokenText, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE
+) -> tuple[Note, ...]:
+    """A warning for each stretch where the text does not seem to fit the sound."""
+    return tuple(Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones, lowest))
+
+
+def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE) -> list[Misfit]:
+    """Stretches where aligned phones and sound do not seem to fit, in order of time.
+
+    Parameters
+    ----------
+    audio : Audio
+    phones : sequence of AlignedPhone
+        As `mien.speech.align.align_words` gives them.
+    lowest : float
+        Mean score of a run of phones under which it does not fit.
+    """
+    loudness = _loudness(audio)
+    spoken = [phone for phone in phones if phone.word >= 0]
+    if not spoken:
+        return []
+    level = float(np.percentile(_parts(loudness, [(p.start, p.end) for p in spoken]), 75))
+    found = (
+        _poor_runs(spoken, lowest)
+        + _words_on_silence(spoken, loudness, level)
+        + _wordless_speech(phones, loudness, level)
+    )
+    return sorted(found, key=lambda misfit: misfit.start)
+
+
+def _sentence(misfit: Misfit, spoken: SpokenText) -> str:
+    stretch = f"between {misfit.start:.2f} s and {misfit.end:.2f} s"
+    if misfit.kind == "speech without words":
+        return f"there seems to be speech {stretch} that the text has no words for: check the text"
+    written = " ".join(spoken.written_for(misfit.first_word, misfit.last_word).split())
+    written = written if len(written) <= 60 else written[:59] + "…"
+    if misfit.kind == "words on silence":
+        return f"the text has words {stretch} ({written!r}) where the sound is silent: check the text"
+    return f"the text does not seem to fit the sound {stretch} ({written!r}): check the text"
+
+
+def _poor_runs(spoken: Sequence[AlignedPhone], lowest: float) -> list[Misfit]:
+    scores = np.maximum([phone.score for phone in spoken], LOWEST_PHONE_SCORE)
+    run = min(RUN, len(scores))
+    sums = np.concatenate([[0.0], np.cumsum(scores)])
+    means = (sums[run:] - sums[:-run]) / run
+    bad = np.zeros(len(scores), dtype=bool)
+    for start in np.flatnonzero(means < lowest):
+        bad[start : start + run] = True
+    return [
+        Misfit("poor fit", spoken[first].start, spoken[last].end, spoken[first].word, spoken[last].word)
+        for first, last in _stretches(bad)
+    ]
+
+
+def _words_on_silence(spoken: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
+    spans: dict[int, tuple[float, float]] = {}
+    for phone in spoken:
+        spans[phone.word] = (spans.get(phone.word, (phone.start, 0.0))[0], phone.end)
+    words = sorted(spans)
+    loudest = [_parts(loudness, [spans[word]]).max() for word in words]
+    return [
+        Misfit("words on silence", spans[words[first]][0], spans[words[last]][1], words[first], words[last])
+        for first, last in _stretches(np.array(loudest) < level - QUIET_WORD)
+    ]
+
+
+def _wordless_speech(phones: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
+    found = []
+    for phone in phones:
+        if phone.label != PAUSE:
+            continue
+        first = round(phone.start / _FRAME)
+        loud = np.flatnonzero(loudness[first : round(phone.end / _FRAME)] > level - LOUD_PAUSE)
+        if len(loud) * _FRAME >= LONG_PAUSE_SPEECH:
+            start, end = (first + loud[0]) * _FRAME, (first + loud[-1] + 1) * _FRAME
+            found.append(Misfit("speech without words", float(start), float(end)))
+    return found
+
+
+def _loudness(audio: Audio) -> NDArray[np.float64]:
+    """RMS in decibels of each frame of 20 ms; at least one."""
+    window = max(1, round(audio.rate * _FRAME))
+    frames = max(1, len(audio.samples) // window)
+    body = audio.samples[: frames * window].astype(np.float64).reshape(frames, -1)
+    power: NDArray[np.float64] = (body**2).mean(axis=1)
+    return 10.0 * np.log10(power + 1e-12)
+
+
+def _parts(loudness: NDArray[np.float64], spans: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    """The frames inside some spans of time; at least one each."""
+    last = len(loudness) - 1
+    pieces = []
+    for start, end in spans:
+        first = min(int(start / _FRAME), last)
+        pieces.append(loudness[first : max(first + 1, int(end / _FRAME))])
+    return np.concatenate(pieces)
+
+
+def _stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of each row of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [(int(first), int(after) - 1) for first, after in zip(edges[::2], edges[1::2], strict=True)]

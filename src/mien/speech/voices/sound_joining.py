@@ -1,0 +1,119 @@
+"""From what an engine made of each sentence to one sound with its times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.core.timeline import Interval, Tier
+from mien.core.utterance import PAUSE
+from mien.speech.voices.sentences import Sentence
+from mien.speech.voices.voice import Break, Speech
+
+__all__ = ["LEVEL", "Piece", "join_pieces"]
+
+LEVEL = 10 ** (-3 / 20)
+"""Peak of every voice's sound: -3 dBFS."""
+_EDGE_SECONDS = 0.2
+_PAUSE_SECONDS = {".": 0.4, "?": 0.4, "!": 0.4, ";": 0.3, ":": 0.3, ",": 0.2, "-": 0.2, "": 0.1}
+_QUIET = 10 ** (-50 / 20)
+_MARGIN_SECONDS = 0.03
+_FADE_SECONDS = 0.005
+_SHORTEST = 1e-4
+
+
+@dataclass(frozen=True)
+class Piece:
+    """The sound of one sentence, as the engine gave it.
+
+    Attributes
+    ----------
+    samples : ndarray, shape (n,)
+        Any level.
+    phones, words : sequence of Interval
+        Seconds from the piece's start; pauses may be left out. Empty if the engine has no times.
+    sentence : Sentence
+        What is said; the mark at its end sets the pause after it.
+    """
+
+    samples: NDArray[np.floating]
+    phones: Sequence[Interval]
+    words: Sequence[Interval]
+    sentence: Sentence
+
+
+def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
+    """Put sentences one after another: silence at both ends trimmed to 0.2 s, pauses by punctuation, peak -3 dBFS."""
+    sound: list[NDArray[np.float64]] = [np.zeros(round(_EDGE_SECONDS * rate))]
+    phones: list[Interval] = []
+    words: list[Interval] = []
+    breaks: list[Break] = []
+    for number, piece in enumerate(pieces):
+        samples, first = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
+        shift = sum(map(len, sound)) / rate - first / rate
+        low, high = shift + first / rate, shift + (first + len(samples)) / rate
+        phones += _moved(piece.phones, shift, low, high)
+        words += _moved(piece.words, shift, low, high)
+        sound.append(samples)
+        last = number == len(pieces) - 1
+        pause = _EDGE_SECONDS if last else _PAUSE_SECONDS[piece.sentence.mark]
+        sound.append(np.zeros(round(pause * rate)))
+        said = len(piece.sentence.words) + (breaks[-1].words if breaks else 0)
+        breaks.append(Break(high + pause / 2, said))
+    audio = Audio(_levelled(np.concatenate(sound)), rate)
+    if not phones:
+        return Speech(audio, None, None, tuple(breaks[:-1]))
+    tiers = _with_pauses(phones, audio.duration), Tier("words", tuple(words))
+    return Speech(audio, *tiers, tuple(breaks[:-1]))
+
+
+def _trimmed(samples: NDArray[np.float64], rate: int) -> tuple[NDArray[np.float64], int]:
+    """Without the silence at its ends (a margin stays), faded in and out; and how many samples went in front."""
+    loud = np.flatnonzero(np.abs(samples) > _QUIET * np.abs(samples).max(initial=0.0))
+    if not len(loud):
+        return samples[:0], 0
+    margin, fade = round(_MARGIN_SECONDS * rate), round(_FADE_SECONDS * rate)
+    first, last = max(0, int(loud[0]) - margin), min(len(samples), int(loud[-1]) + margin)
+    body = samples[first:last].copy()
+    ramp = np.linspace(0.0, 1.0, min(fade, len(body)))
+    body[: len(ramp)] *= ramp
+    body[len(body) - len(ramp) :] *= ramp[::-1]
+    return body, first
+
+
+def _moved(intervals: Sequence[Interval], shift: float, low: float, high: float) -> list[Interval]:
+    """Later by ``shift`` and inside ``low``..``high``; what falls outside goes."""
+    moved = [
+        Interval(min(max(i.start + shift, low), high), min(max(i.end + shift, low), high), i.label) for i in intervals
+    ]
+    return [interval for interval in moved if interval.duration > _SHORTEST]
+
+
+def _with_pauses(phones: Sequence[Interval], duration: float) -> Tier:
+    """Fill every gap with a pause, and make one pause of neighbours."""
+    filled: list[Interval] = []
+    end = 0.0
+    for phone in [*phones, Interval(duration, duration, PAUSE)]:
+        if phone.start > end + _SHORTEST:
+            _append(filled, Interval(end, phone.start, PAUSE))
+        if phone.duration > 0:
+            _append(filled, Interval(end if phone.start < end + _SHORTEST else phone.start, phone.end, phone.label))
+        end = max(end, phone.end)
+    return Tier("phones", tuple(filled))
+
+
+def _append(phones: list[Interval], phone: Interval) -> None:
+    if phones and phone.label == PAUSE == phones[-1].label:
+        phones[-1] = Interval(phones[-1].start, phone.end, PAUSE)
+    else:
+        phones.append(phone)
+
+
+def _levelled(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    samples = samples - samples.mean()
+    peak = np.abs(samples).max(initial=0.0)
+    return samples * (LEVEL / peak) if peak > 0 else samples

@@ -1,0 +1,1 @@
+"""What is asked for: scripts (tags, XML, SSML, BML), commands, how text is read aloud, pronunciation, languages."""

@@ -1,0 +1,58 @@
+"""Reading a language with eSpeak NG, run as a separate program (GPL-3): each word of a text to its phones in IPA."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from mien.core.errors import InputError, Note
+from mien.text.languages.espeak_program import ask_espeak
+from mien.text.languages.language import Language
+from mien.text.languages.tokens import Token, tokens_of
+from mien.text.normalisation import SpokenText, SpokenWord
+
+__all__ = ["read_with_espeak"]
+
+
+def read_with_espeak(text: str, language: Language) -> SpokenText:
+    """The words that are said for a text; each has its phones.
+
+    A number or a short form is one word, with all its phones.
+
+    Raises
+    ------
+    InputError
+        If nothing in it can be spoken.
+    MissingPartError
+        If eSpeak NG is not installed.
+    """
+    short = language.table.get("abbreviations", {})
+    tokens = list(tokens_of(text, short))
+    spelled = [word for token in tokens for word in _words_of(token, short)]
+    if not spelled:
+        raise InputError(f"nothing in the text {text.strip()[:40]!r} can be spoken: give at least one word or number")
+    answers = iter(ask_espeak({"voice": language.espeak, "words": spelled}, f"espeak-{language.tag}")[0]["words"])
+    words: list[SpokenWord] = []
+    dropped: list[str] = []
+    for token in tokens:
+        said = [(word, tuple(filter(None, map(_without_stress, next(answers))))) for word in _words_of(token, short)]
+        spoken = [SpokenWord(word.lower(), token.start, token.end, "", phones) for word, phones in said if phones]
+        for phone in (phone for _, phones in said for phone in phones):
+            language.segments(phone)  # a phone that is in no table is refused now, with a message that names it
+        dropped += [word for word, phones in said if not phones]
+        words += spoken
+        if words and token.pause and (spoken or not words[-1].pause):
+            words[-1] = replace(words[-1], pause=token.pause)
+    if not words:
+        raise InputError(f"nothing in the text {text.strip()[:40]!r} can be spoken: give at least one word or number")
+    notes = (Note("note", f"left out of the spoken text: {' '.join(dict.fromkeys(dropped))}"),) if dropped else ()
+    return SpokenText(text, tuple(words), notes)
+
+
+def _words_of(token: Token, short: Mapping[str, str]) -> list[str]:
+    """What is said for a piece of text: itself, or the words that a short form stands for."""
+    return short.get(token.text.lower(), token.text).split()
+
+
+def _without_stress(phone: str) -> str:
+    return phone.strip("ˈˌ‿ -|")

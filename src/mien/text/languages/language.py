@@ -1,0 +1,239 @@
+"""A language is one table: ``assets/languages/TAG.toml``, or a file of the user's own in the same form."""
+
+from __future__ import annotations
+
+import tomllib
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from mien.core.errors import InputError, unknown_name
+from mien.core.utterance import PAUSE
+from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.phones import phone_table
+
+__all__ = ["ENGLISH", "Language", "Segment", "find_language", "known_languages", "plain_sign", "read_words"]
+
+ENGLISH = "en-US"
+_COMMON = ("ascii", "ipa")
+_READERS = ("letters", "espeak")
+_MARKS = "ːˑˈˌ.ʰʲʷʼ˞‿"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of a phone in the terms of the models.
+
+    Attributes
+    ----------
+    articulation : str
+        The English phone (ARPAbet) made most alike.
+    heard : str
+        The English phone that the acoustic model takes it for.
+    shapes : tuple of str
+        Its own key shapes (``assets/performance/visemes.toml``); empty where the English phone's do.
+    """
+
+    articulation: str
+    heard: str
+    shapes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Language:
+    """How a language is read and made.
+
+    Attributes
+    ----------
+    tag : str
+        BCP 47, such as ``"fi"``.
+    name : str
+        In English: ``"Finnish"``.
+    reader : {"letters", "espeak"}
+        Whether its spelling is read by the rules in its table, or by eSpeak NG, a separate program.
+    espeak : str
+        eSpeak NG's voice for it; ``""`` if it has none.
+    table : mapping
+        The whole table.
+    """
+
+    tag: str
+    name: str
+    reader: str
+    espeak: str
+    table: Mapping[str, Any]
+    _segments: Mapping[str, tuple[Segment, ...]]
+
+    def segments(self, phone: str) -> tuple[Segment, ...]:
+        """What a phone is in the terms of the models; empty if it has no sound of its own.
+
+        Raises
+        ------
+        InputError
+            If neither this language's table nor the common one (``ipa.toml``) holds a part of it.
+
+        Examples
+        --------
+        >>> [segment.articulation for segment in find_language("fi").segments("yː")]
+        ['UW']
+        >>> [segment.heard for segment in find_language("de").segments("pf")]
+        ['P', 'F']
+        """
+        for sign in (phone, plain_sign(phone)):
+            if sign in self._segments:
+                return self._segments[sign]
+        return self._cut(plain_sign(phone), phone)
+
+    def _cut(self, sign: str, phone: str) -> tuple[Segment, ...]:
+        """A sign that is in no table, cut into the longest ones that are."""
+        found: list[Segment] = []
+        while sign:
+            part = next((sign[:n] for n in range(len(sign), 0, -1) if sign[:n] in self._segments), "")
+            if not part:
+                raise InputError(f"{self.name}: the phone {phone!r} is in no table: add it to [phones] of its file")
+            found += self._segments[part]
+            sign = sign[len(part) :]
+        return tuple(found)
+
+    def read(self, text: str) -> SpokenText:
+        """The words that are said for a text; each knows its phones, in this language's own signs.
+
+        Raises
+        ------
+        InputError
+            If there is nothing in the text that can be spoken.
+        MissingPartError
+            If the language is read by eSpeak NG and it is not installed.
+        """
+        if self.reader == "letters":
+            from mien.text.languages.letter_rules import read_letters
+
+            return read_letters(text, self)
+        from mien.text.languages.espeak_reader import read_with_espeak
+
+        return read_with_espeak(text, self)
+
+
+def read_words(text: str, language: str | Path | None = None, spoken: str | None = None) -> SpokenText:
+    """The words that are said for a text, in any language.
+
+    Parameters
+    ----------
+    text : str
+    language : str, Path or None
+        As `find_language` takes it.
+    spoken : str or None
+        The tag of what it was spoken as, where no language was asked for.
+    """
+    found = find_language(language if language is not None else spoken)
+    return spoken_words(text) if found is None else found.read(text)
+
+
+def plain_sign(phone: str) -> str:
+    """A phone's sign without marks of stress, length and the like.
+
+    Examples
+    --------
+    >>> plain_sign("ˈyː"), plain_sign("t͡s"), plain_sign("ɔ̃"), plain_sign("ç")
+    ('y', 'ts', 'ɔ', 'ç')
+    """
+    kept = (char for char in unicodedata.normalize("NFC", phone) if char not in _MARKS)
+    return "".join(char for char in kept if unicodedata.category(char) != "Mn")
+
+
+def known_languages() -> tuple[str, ...]:
+    """Tags of the languages beside English that come with mien.
+
+    Examples
+    --------
+    >>> known_languages()
+    ('de', 'es', 'fi')
+    """
+    folder = Path(str(files("mien") / "assets" / "languages"))
+    return tuple(sorted(path.stem for path in folder.glob("*.toml") if path.stem not in _COMMON))
+
+
+def find_language(asked: str | Path | None) -> Language | None:
+    """The language of a tag (``"fi"``, ``"de-AT"``) or of a table in a file (``"it.toml"``); None for English.
+
+    Raises
+    ------
+    InputError
+        If there is no such language, or the file is damaged.
+
+    Examples
+    --------
+    >>> find_language("fi").name, find_language("en-GB"), find_language("de-CH").tag
+    ('Finnish', None, 'de')
+    >>> find_language("fin")
+    Traceback (most recent call last):
+        ...
+    mien.core.errors.InputError: unknown language 'fin': did you mean 'fi'? known: de, en, es, fi; or a phone map,
+    X.toml
+    """
+    if asked is None:
+        return None
+    name = str(asked).strip()
+    if name.lower().endswith(".toml"):
+        return _load(Path(name))
+    head = name.lower().replace("_", "-").partition("-")[0]
+    if head == "en":
+        return None
+    if head not in known_languages():
+        raise InputError(f"{unknown_name('language', name, ('en', *known_languages()))}; or a phone map, X.toml")
+    return _shipped(head)
+
+
+@cache
+def _shipped(tag: str) -> Language:
+    return _load(Path(str(files("mien") / "assets" / "languages" / f"{tag}.toml")))
+
+
+def _load(path: Path) -> Language:
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise InputError(f"cannot read the language {path}: {problem.strerror}") from problem
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as problem:
+        raise InputError(f"the language {path} is not TOML: {problem}") from problem
+    for name in ("tag", "name", "reader"):
+        if not isinstance(table.get(name), str) or not table[name]:
+            raise InputError(f'the language {path}: expected {name} = "..." at its top')
+    if table["reader"] not in _READERS:
+        raise unknown_name(f"reader in {path}", table["reader"], _READERS)
+    if table["reader"] == "espeak" and not table.get("espeak"):
+        raise InputError(f'the language {path}: reader = "espeak" needs espeak = "VOICE" (espeak-ng --voices)')
+    if table["reader"] == "letters" and not table.get("letters"):
+        raise InputError(f'the language {path}: reader = "letters" needs a section [letters]')
+    segments = {sign: _segments(entry, path, sign) for sign, entry in (_common() | table.get("phones", {})).items()}
+    return Language(table["tag"], table["name"], table["reader"], table.get("espeak", ""), table, segments)
+
+
+@cache
+def _common() -> dict[str, Any]:
+    text = (files("mien") / "assets" / "languages" / "ipa.toml").read_text(encoding="utf-8")
+    return dict(tomllib.loads(text)["phones"])
+
+
+def _segments(entry: Any, path: Path, sign: str) -> tuple[Segment, ...]:
+    where = f"the language {path}, phone {sign!r}"
+    return tuple(_segment(part, where) for part in (entry if isinstance(entry, list) else [entry]))
+
+
+def _segment(part: Any, where: str) -> Segment:
+    if isinstance(part, str):
+        part = {"as": part}
+    if not isinstance(part, dict) or not isinstance(part.get("as"), str):
+        raise InputError(f'{where}: expected an English phone such as "AA", or {{ as = "AA", ... }}, got {part!r}')
+    for name in part:
+        if name not in ("as", "heard", "shape"):
+            raise unknown_name(f"entry of {where}", name, ("as", "heard", "shape"))
+    articulation, heard = str(part["as"]), str(part.get("heard", part["as"]))
+    for phone in (articulation, heard):
+        if phone not in phone_table() or phone == PAUSE:
+            raise unknown_name(f"English phone of {where}", phone, phone_table())
+    return Segment(articulation, heard, tuple(str(part.get("shape", "")).split()))

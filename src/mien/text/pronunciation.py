@@ -1,0 +1,198 @@
+"""How an English word is pronounced: the dictionary, inflections and compounds of its words, then letters to sounds.
+
+The dictionary is the one inside pocketsphinx (BSD licence): 126 052 words in the 39 phones of ARPAbet. A word that
+it does not hold is taken apart (``cats`` = ``cat`` + ``s``, ``snowface`` = ``snow`` + ``face``) and, failing that,
+spoken by rules learned from the dictionary (`mien.text.letter_to_sound`).
+"""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from pathlib import Path
+
+from mien.core.errors import InputError
+from mien.text.phones import is_vowel, phone_table
+
+__all__ = ["Pronunciation", "dictionary_entries", "in_dictionary", "pronounce", "pronounce_text", "pronunciations"]
+
+Pronunciation = tuple[str, ...]
+
+_SIBILANTS = ("S", "Z", "SH", "ZH", "CH", "JH")
+_SHORTEST_PART = 4
+
+
+@cache
+def _dictionary() -> dict[str, str]:
+    """Headword, with ``(2)`` and on for alternatives, to phones parted by blanks: left as text, for speed."""
+    import pocketsphinx
+
+    path = Path(pocketsphinx.get_model_path("en-us/cmudict-en-us.dict"))
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return dict(line.split(" ", 1) for line in lines if " " in line)
+
+
+def dictionary_entries() -> list[tuple[str, Pronunciation]]:
+    """All headwords with their first pronunciation."""
+    return [(word, tuple(phones.split())) for word, phones in _dictionary().items() if "(" not in word]
+
+
+def in_dictionary(word: str) -> bool:
+    """Whether the dictionary holds a word as it is.
+
+    Examples
+    --------
+    >>> in_dictionary("seven"), in_dictionary("sevenish")
+    (True, False)
+    """
+    return word.lower() in _dictionary()
+
+
+def pronounce(word: str) -> Pronunciation:
+    """The most usual pronunciation of one spoken word.
+
+    Parameters
+    ----------
+    word : str
+        Letters a-z and apostrophes, as `mien.text.normalisation.spoken_words` gives them; ``"b."`` is a letter's name.
+
+    Returns
+    -------
+    tuple of str
+        ARPAbet phones without stress; at least one.
+
+    Raises
+    ------
+    InputError
+        If the word holds no letter from a to z.
+
+    Examples
+    --------
+    >>> pronounce("seven")
+    ('S', 'EH', 'V', 'AH', 'N')
+    >>> pronounce("blorked")
+    ('B', 'L', 'AO', 'R', 'K', 'T')
+    """
+    return pronunciations(word)[0]
+
+
+@lru_cache(maxsize=4096)
+def pronunciations(word: str) -> tuple[Pronunciation, ...]:
+    """All pronunciations of one word that the dictionary knows, the most usual first; at least one.
+
+    Examples
+    --------
+    >>> pronunciations("either")
+    (('IY', 'DH', 'ER'), ('AY', 'DH', 'ER'))
+    """
+    word = word.lower()
+    if not any("a" <= char <= "z" for char in word):
+        raise InputError(f"expected a word in the letters a to z, got {word!r}")
+    return _listed(word) or _inflected(word) or _compound(word) or (_by_letters(word),)
+
+
+def pronounce_text(text: str) -> tuple[tuple[str, Pronunciation], ...]:
+    """Each spoken word of a written text with its pronunciation.
+
+    Examples
+    --------
+    >>> pronounce_text("2 cats")
+    (('two', ('T', 'UW')), ('cats', ('K', 'AE', 'T', 'S')))
+    """
+    from mien.text.normalisation import spoken_words
+
+    return tuple((word.text, pronounce(word.text)) for word in spoken_words(text).words)
+
+
+def _listed(word: str) -> tuple[Pronunciation, ...]:
+    entries = _dictionary()
+    found: list[Pronunciation] = []
+    while (name := word if not found else f"{word}({len(found) + 1})") in entries:
+        found.append(tuple(entries[name].split()))
+    return tuple(dict.fromkeys(found))
+
+
+def _by_letters(word: str) -> Pronunciation:
+    from mien.text.letter_to_sound import phones_of_letters
+
+    letters = "".join(char for char in word if "a" <= char <= "z")
+    if not any(char in "aeiouy" for char in letters) or len(letters) == 1:
+        return tuple(phone for letter in letters for phone in _listed(f"{letter}.")[0])
+    return phones_of_letters(letters)
+
+
+def _inflected(word: str) -> tuple[Pronunciation, ...]:
+    """A known word with an ending: possessive, plural, past, -ing, -er and the like."""
+    for ending, stems in _stems(word):
+        for stem in stems:
+            if known := _listed(stem):
+                return tuple(_with_ending(phones, ending) for phones in known)
+    return ()
+
+
+def _stems(word: str) -> list[tuple[str, list[str]]]:
+    bare = word.replace("'", "")
+    cases: list[tuple[str, list[str]]] = []
+    if word.endswith("'s"):
+        cases.append(("s", [word[:-2], word[:-2] + "."]))
+    if word.endswith(("s'", "'")):
+        cases.append(("", [word.rstrip("'")]))
+    if word.endswith("'ll"):
+        cases.append(("ll", [word[:-3]]))
+    if word.endswith("'d"):
+        cases.append(("ed", [word[:-2]]))
+    if word.endswith("'ve"):
+        cases.append(("ve", [word[:-3]]))
+    if word.endswith("in'"):
+        cases.append(("in", [word[:-3], word[:-3] + "e"]))
+    if len(bare) > 3 and bare.endswith("s") and not bare.endswith("ss"):
+        cases.append(("s", [bare[:-1], bare[:-2] if bare.endswith("es") else "", _y_for_i(bare, "ies")]))
+    for ending in ("ed", "ing", "er", "ness", "less", "ful", "ly", "ish", "able"):
+        if len(bare) > len(ending) + 2 and bare.endswith(ending):
+            root = bare[: -len(ending)]
+            undoubled = root[:-1] if len(root) > 2 and root[-1] == root[-2] else ""
+            vowel_ending = ending[0] in "aeiou"
+            roots = [root, root + "e" if vowel_ending else "", undoubled if vowel_ending else ""]
+            cases.append((ending, [*roots, _y_for_i(bare, "i" + ending)]))
+    return [(ending, [stem for stem in stems if len(stem) > 1]) for ending, stems in cases]
+
+
+def _y_for_i(word: str, ending: str) -> str:
+    return word[: -len(ending)] + "y" if word.endswith(ending) else ""
+
+
+_ENDINGS: dict[str, Pronunciation] = {
+    "": (),
+    "in": ("AH", "N"),
+    "ing": ("IH", "NG"),
+    "er": ("ER",),
+    "ness": ("N", "AH", "S"),
+    "less": ("L", "AH", "S"),
+    "ful": ("F", "AH", "L"),
+    "ly": ("L", "IY"),
+    "ish": ("IH", "SH"),
+    "able": ("AH", "B", "AH", "L"),
+}
+
+
+def _with_ending(phones: Pronunciation, ending: str) -> Pronunciation:
+    last = phones[-1]
+    voiced = last in phone_table() and phone_table()[last].voiced
+    if ending == "s":
+        return phones + (("IH", "Z") if last in _SIBILANTS else ("Z",) if voiced else ("S",))
+    if ending == "ed":
+        return phones + (("IH", "D") if last in ("T", "D") else ("D",) if voiced else ("T",))
+    if ending in ("ll", "ve"):
+        final = "L" if ending == "ll" else "V"
+        return phones + ((final,) if is_vowel(last) else ("AH", final))
+    return phones + _ENDINGS[ending]
+
+
+def _compound(word: str) -> tuple[Pronunciation, ...]:
+    """Two known words written as one, cut where the shorter of the two is longest."""
+    bare = word.replace("'", "")
+    cuts = sorted(range(_SHORTEST_PART, len(bare) - _SHORTEST_PART + 1), key=lambda cut: abs(2 * cut - len(bare)))
+    for cut in cuts:
+        first, second = _listed(bare[:cut]), _listed(bare[cut:])
+        if first and second:
+            return (first[0] + second[0],)
+    return ()

@@ -1,0 +1,99 @@
+"""The direction that goes with an utterance: which emotion, how strong, when."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
+from mien.text.parameter_curves import ParameterCurve
+
+__all__ = ["EmotionSpan", "Score"]
+
+_WRITTEN = re.compile(
+    r"(?P<name>[^\[\]:@,]+)(\[\s*(?P<start>\d*\.?\d+)?\s*-\s*(?P<end>\d*\.?\d+)?\s*\])?(:(?P<intensity>.*))?"
+)
+
+
+@dataclass(frozen=True)
+class EmotionSpan:
+    """One emotion over a stretch of time.
+
+    Attributes
+    ----------
+    name : str
+        Name of an emotion, such as ``"happy"``.
+    intensity : float or IntensityCurve
+        0 (neutral) to 1 (full), held or changing over time; SPEC A13.
+    start, end : float or None
+        Seconds; None means the start or end of the sound.
+
+    Raises
+    ------
+    InputError
+        If the intensity lies outside 0..1, or the stretch runs backwards.
+    """
+
+    name: str
+    intensity: float | IntensityCurve = 1.0
+    start: float | None = None
+    end: float | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.intensity, IntensityCurve):
+            checked_intensity(self.intensity)
+        if self.start is not None and self.end is not None and self.end < self.start:
+            raise InputError(f"emotion {self.name!r} ends at {self.end:g} s, before it starts at {self.start:g} s")
+
+    @classmethod
+    def parse(cls, text: str) -> EmotionSpan:
+        """Read ``NAME``, ``NAME:INTENSITY``, ``NAME[START-END]`` or ``NAME[START-END]:INTENSITY``.
+
+        Start and end are seconds, either may be left out; the intensity is a number, points ``VALUE@SECOND`` parted
+        by commas, or a CSV file (`mien.text.intensity`).
+
+        Raises
+        ------
+        InputError
+            If it is not written so.
+
+        Examples
+        --------
+        >>> EmotionSpan.parse("sad:0.4")
+        EmotionSpan(name='sad', intensity=0.4, start=None, end=None)
+        >>> EmotionSpan.parse("angry[0.5-1.2]:0.8")
+        EmotionSpan(name='angry', intensity=0.8, start=0.5, end=1.2)
+        >>> EmotionSpan.parse("happy:0.2@0,0.9@1.5").intensity_at(np.array([0.75])).round(2).tolist()
+        [0.55]
+        """
+        found = _WRITTEN.fullmatch(text.strip())
+        if found is None:
+            raise InputError(f"an emotion is NAME, NAME:0..1 or NAME[START-END]:0..1, such as happy:0.6, not {text!r}")
+        start, end = (float(found[key]) if found[key] else None for key in ("start", "end"))
+        intensity = parse_intensity(found["intensity"]) if found["intensity"] is not None else 1.0
+        return cls(found["name"].strip().lower(), intensity, start, end)
+
+    def intensity_at(self, seconds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Intensities at instants, whether inside the stretch or not, shape (times,)."""
+        if isinstance(self.intensity, IntensityCurve):
+            return self.intensity.at(seconds)
+        return np.full(len(seconds), float(self.intensity))
+
+
+@dataclass(frozen=True)
+class Score:
+    """Everything that is asked of a performance besides the words themselves.
+
+    Attributes
+    ----------
+    emotions : tuple of EmotionSpan
+    curves : tuple of ParameterCurve
+        Face parameters over time, as commands and scripts ask for them; laid over the rest of the motion.
+    """
+
+    emotions: tuple[EmotionSpan, ...] = ()
+    curves: tuple[ParameterCurve, ...] = ()

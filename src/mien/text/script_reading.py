@@ -1,0 +1,118 @@
+"""From a text with tags, mien's own documents, or SSML to a `Script` (``docs/script.md`` is the reference).
+
+One vocabulary serves all three: the elements of SSML that a voice can follow stand beside mien's own, and every command
+of the library is an element. What cannot be done is a note on the result.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from mien.core.errors import InputError
+from mien.text.bml import read_bml
+from mien.text.commands import CommandLibrary, shipped_library
+from mien.text.script import Script
+from mien.text.script_builder import Builder
+from mien.text.tag_elements import ELEMENTS
+from mien.text.tags import ROOTS, Event, is_document, read_document, read_tagged_text
+
+__all__ = ["SUFFIXES", "read_script", "read_script_file", "script_text"]
+
+_NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff\ud800-\udfff]")
+SUFFIXES = (".txt", ".xml", ".ssml", ".bml")
+
+
+def read_script(text: str, library: CommandLibrary | None = None, source: str = "text") -> Script:
+    """Read a text with tags in it, a document of mien's own, SSML or BML: which of them, the text itself tells.
+
+    Parameters
+    ----------
+    text : str
+    library : CommandLibrary, optional
+        The commands that are known; the default is the shipped library.
+    source : str
+        Name for messages, such as that of the file.
+
+    Raises
+    ------
+    InputError
+        If a tag is not known, not closed or not well formed, or a value does not fit; the message names the line.
+
+    Examples
+    --------
+    >>> script = read_script('That is <HeadNod count="2"/> true.')
+    >>> script.text, str(script.commands[0].at)
+    ('That is  true.', '_1')
+    """
+    library = library or shipped_library()
+    text = _NOT_IN_XML.sub(" ", text)
+    if not is_document(text):
+        return _built(read_tagged_text(text, {*ELEMENTS, *library.names}, source), library, source, collapse=False)
+    events = tuple(read_document(text, source))
+    root = events[0]
+    if root.text == "bml":
+        return read_bml(events, library, source)
+    if root.text not in ROOTS:
+        raise InputError(
+            f"{source}, line {root.line}: a script's root is <script>, <speak> (SSML) or <bml>, not <{root.text}>"
+        )
+    return _built(events, library, source, collapse=True)
+
+
+def read_script_file(path: str | Path, library: CommandLibrary | None = None) -> Script:
+    """Read a script from a file: ``.txt`` (text with tags), ``.xml``, ``.ssml`` or ``.bml``.
+
+    Raises
+    ------
+    InputError
+        As `read_script`, and if the file cannot be read.
+    """
+    return read_script(script_text(path), library, str(path))
+
+
+def script_text(path: str | Path) -> str:
+    """The text of a script file.
+
+    Raises
+    ------
+    InputError
+        If it has another suffix, is missing, or is neither UTF-8 nor what its XML declaration says.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(f"{path}: a script is a file {', '.join(SUFFIXES)}, not {path.suffix or 'without a suffix'}")
+    if not path.is_file():
+        raise InputError(f"{path}: no such script")
+    try:
+        content = path.read_bytes()
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    encoding = _encoding(content, path)
+    try:
+        return content.decode(encoding).replace("\r\n", "\n")
+    except UnicodeDecodeError as problem:
+        name = "UTF-8" if encoding == "utf-8-sig" else encoding
+        raise InputError(f"{path}: expected {name} text, got other bytes at byte {problem.start}") from problem
+
+
+def _encoding(content: bytes, path: Path) -> str:
+    """UTF-8, unless a byte-order mark or an XML declaration says otherwise."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    declared = re.match(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*["']([\w.-]+)["']""", content)
+    name = declared[1].decode("ascii") if declared else "utf-8"
+    try:
+        found = codecs.lookup(name).name
+    except LookupError as problem:
+        raise InputError(f"{path}, line 1: the encoding {name!r} is not known; save it as UTF-8") from problem
+    return "utf-8-sig" if found == "utf-8" else found
+
+
+def _built(events: Iterable[Event], library: CommandLibrary, source: str, collapse: bool) -> Script:
+    builder = Builder(library, source, collapse, ELEMENTS)
+    for event in events:
+        builder.take(event)
+    return builder.finish()

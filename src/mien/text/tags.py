@@ -1,0 +1,240 @@
+"""Text with tags in it, or an XML document, as one stream of events with the lines where they stand.
+
+In plain text a ``<`` is the start of a tag only if a tag follows: ``<`` with a name, well-formed attributes and ``>``.
+``3 < 4``, ``I <3 you`` and ``a <- b`` are text and spoken. ``&lt; &gt; &amp; &quot; &apos;`` and ``&#960;`` stand for
+their characters. A document that begins with an XML declaration or one of the roots ``script``, ``speak`` and ``bml``
+is XML and read strictly.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from html import unescape
+from typing import Literal
+from xml.parsers import expat
+
+from mien.core.errors import InputError
+
+__all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text", "unknown_tag"]
+
+ROOTS = ("script", "speak", "bml")
+"""Root elements of the documents that can be read: mien's own, SSML, BML."""
+
+_OWN_NAMESPACES = ("mien", "www.w3.org/2001/10/synthesis", "bml")
+"""What the names of namespaces hold whose elements are read like the document's own."""
+_NAME = r"[A-Za-z_][\w.:-]*"
+_ATTRIBUTE = rf"""\s+({_NAME})\s*=\s*("[^"<]*"|'[^'<]*')"""
+_TAG = re.compile(rf"<(?:(/)\s*({_NAME})\s*|({_NAME})((?:{_ATTRIBUTE})*)\s*(/?))>")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_ENTITY = re.compile(r"&(?:lt|gt|amp|quot|apos|#\d{1,7}|#[xX][0-9a-fA-F]{1,6});")
+_DOCUMENT = re.compile(
+    rf"\s*(?:<\?xml\s.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|\s)*<(?:[\w.-]+:)?({'|'.join(ROOTS)})[\s/>]", re.DOTALL
+)
+
+
+@dataclass(frozen=True)
+class Event:
+    """One piece of a script.
+
+    Attributes
+    ----------
+    kind : {"text", "open", "close"}
+    text : str
+        The text, or the name of the element.
+    line : int
+        From 1.
+    attributes : tuple of (str, str)
+    empty : bool
+        Whether an element opened as ``<NAME/>``.
+    foreign : bool
+        Whether the element is of another vocabulary than the document, by its namespace.
+    strange : tuple of str
+        Attributes of other vocabularies.
+    """
+
+    kind: Literal["text", "open", "close"]
+    text: str
+    line: int
+    attributes: tuple[tuple[str, str], ...] = ()
+    empty: bool = False
+    foreign: bool = False
+    strange: tuple[str, ...] = ()
+
+
+def is_document(text: str) -> bool:
+    """Whether a text is an XML document rather than text with tags in it.
+
+    Examples
+    --------
+    >>> is_document('<?xml version="1.0"?><speak>Hello.</speak>'), is_document("<HeadNod/> Hello.")
+    (True, False)
+    """
+    return _DOCUMENT.match(text) is not None or text.lstrip("\ufeff \t\r\n").startswith("<?xml")
+
+
+def read_tagged_text(text: str, known: Collection[str], source: str) -> Iterator[Event]:
+    """Events of plain text with tags in it.
+
+    Parameters
+    ----------
+    text : str
+    known : collection of str
+        Names of tags; ``<`` with one of them has to be a whole tag, any other tag is refused.
+    source : str
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If a tag is not known or not well formed.
+    """
+    place, line = 0, 1
+    plain: list[str] = []
+    begun = 1
+    while place < len(text):
+        here = text.find("<", place)
+        here = len(text) if here < 0 else here
+        plain.append(text[place:here])
+        line += text.count("\n", place, here)
+        if here == len(text):
+            break
+        found = _COMMENT.match(text, here) or _TAG.match(text, here)
+        if found is None:
+            _refuse_half_tag(text, here, known, f"{source}, line {line}")
+            plain.append("<")
+            place = here + 1
+            continue
+        event = _event(found, line) if found.re is _TAG else None
+        if event is not None and event.text not in known and _is_text(event, text, known):
+            plain.append(found[0])
+        elif event is not None and event.text not in known:
+            raise unknown_tag(event, known, source)
+        elif event is not None:
+            yield from _plain(plain, begun)
+            plain, begun = [], line
+            yield event
+        place = found.end()
+        line += text.count("\n", here, place)
+    yield from _plain(plain, begun)
+
+
+def _is_text(event: Event, text: str, known: Collection[str]) -> bool:
+    """Whether what looks like an unknown tag is rather text, as in ``a<b>c``: bare, never closed, like no known tag."""
+    closed = event.kind == "close" or event.empty or f"</{event.text}" in text
+    return not (closed or event.attributes or get_close_matches(event.text, known, n=1, cutoff=0.75))
+
+
+def unknown_tag(event: Event, known: Collection[str], source: str) -> InputError:
+    """The error for a tag that is not known, with the nearest ones that are."""
+    near = get_close_matches(event.text, known, n=3)
+    guess = f"did you mean {' or '.join(f'<{name}>' for name in near)}?" if near else "docs/script.md lists the tags;"
+    return InputError(
+        f"{source}, line {event.line}: unknown tag <{event.text}>: {guess} write &lt; where it is meant as text"
+    )
+
+
+def _plain(parts: list[str], line: int) -> Iterator[Event]:
+    text = "".join(parts)
+    if text:
+        yield Event("text", _ENTITY.sub(lambda entity: unescape(entity[0]), text), line)
+
+
+def _event(found: re.Match[str], line: int) -> Event:
+    if found[1]:
+        return Event("close", found[2], line)
+    pairs = re.findall(_ATTRIBUTE, found[4])
+    return Event("open", found[3], line, tuple((name, unescape(value[1:-1])) for name, value in pairs), bool(found[7]))
+
+
+def _refuse_half_tag(text: str, here: int, known: Collection[str], where: str) -> None:
+    name = re.match(rf"</?({_NAME})", text[here:])
+    if name is None or name[1] not in known:
+        return
+    rest = text[here : here + 40].split("\n")[0]
+    raise InputError(
+        f'{where}: the tag {rest!r} is not well formed: expected <{name[1]} name="value" .../> '
+        "with every value in quotes and '>' at its end"
+    )
+
+
+class _Namespaces:
+    """Which elements are of the document's own vocabulary.
+
+    Documents in the wild leave namespaces out, or take any prefix; so what is of the root's namespace, of mien's, or of
+    one that no prefix was bound to, is the document's own.
+    """
+
+    def __init__(self) -> None:
+        self.bound: list[dict[str, str]] = [{}]
+        self.root: str | None = None
+
+    def opened(self, name: str, attributes: dict[str, str]) -> bool:
+        """Whether an element that opens is foreign."""
+        new = {key.partition(":")[2]: value for key, value in attributes.items() if key.split(":")[0] == "xmlns"}
+        self.bound.append(self.bound[-1] | new)
+        prefix = name.rpartition(":")[0]
+        space = self.bound[-1].get(prefix, prefix)
+        if self.root is None:
+            self.root = space
+        return space not in (self.root, "") and not any(word in space for word in _OWN_NAMESPACES)
+
+    def closed(self) -> None:
+        """An element was closed."""
+        self.bound.pop()
+
+
+def read_document(text: str, source: str) -> Iterator[Event]:
+    """Events of an XML document, names without their namespace prefix.
+
+    Raises
+    ------
+    InputError
+        If it is not well-formed XML, or declares entities of its own (which could blow up).
+    """
+    events: list[Event] = []
+    parser = expat.ParserCreate("utf-8")  # whatever it declares: it was decoded before
+    parser.buffer_text = True
+    opened: list[tuple[str, int]] = []
+    spaces = _Namespaces()
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        foreign, name = spaces.opened(name, attributes), name.rpartition(":")[2]
+        opened.append((name, parser.CurrentLineNumber))
+        plain = {key: value for key, value in attributes.items() if not key.startswith(("xmlns", "xsi:"))}
+        pairs = tuple((key, value) for key, value in plain.items() if ":" not in key or key.startswith("xml:"))
+        strange = tuple(key for key in plain if ":" in key and not key.startswith("xml:"))
+        events.append(Event("open", name, parser.CurrentLineNumber, pairs, foreign=foreign, strange=strange))
+
+    def end(name: str) -> None:
+        opened.pop()
+        spaces.closed()
+        events.append(Event("close", name.rpartition(":")[2], parser.CurrentLineNumber))
+
+    def data(content: str) -> None:
+        events.append(Event("text", content, parser.CurrentLineNumber))
+
+    def entity(name: str, *_: object) -> None:
+        raise InputError(f"{source}, line {parser.CurrentLineNumber}: entity {name!r}: own entities are not read")
+
+    def skipped_entity(name: str, parameter: bool) -> None:
+        sign = unescape(f"&{name};")
+        if not parameter and sign == f"&{name};":
+            raise InputError(f"{source}, line {parser.CurrentLineNumber}: the entity &{name}; is not known")
+        events.append(Event("text", "" if parameter else sign, parser.CurrentLineNumber))
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler, parser.EntityDeclHandler = data, entity
+    parser.SkippedEntityHandler = skipped_entity
+    try:
+        parser.Parse(text.lstrip("\ufeff \t\r\n").encode("utf-8"), True)
+    except expat.ExpatError as problem:
+        skipped = text[: len(text) - len(text.lstrip("\ufeff \t\r\n"))].count("\n")
+        unclosed = f"; <{opened[-1][0]}> of line {opened[-1][1] + skipped} is open there" if opened else ""
+        message = expat.errors.messages[problem.code]
+        raise InputError(
+            f"{source}, line {problem.lineno + skipped}: not well-formed XML: {message}{unclosed}"
+        ) from problem
+    yield from events

@@ -1,0 +1,67 @@
+"""Where compiled kernels are kept, wherever mien is installed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from mien.core.compiled import cache_folder
+
+
+def test_beside_the_source_if_that_can_be_written(tmp_path: Path) -> None:
+    assert cache_folder({"HOME": str(tmp_path / "home")}, tmp_path, tmp_path) == tmp_path / "__pycache__"
+
+
+def blocked(folder: Path) -> Path:
+    """A folder in which nothing can be made, not even by root: a file stands where it should be."""
+    folder.mkdir()
+    (folder / "__pycache__").write_text("")
+    return folder
+
+
+def test_else_under_home_else_in_the_temporary_folder_else_nowhere(tmp_path: Path) -> None:
+    source = blocked(tmp_path / "source")
+    home, temporary, file = tmp_path / "home", tmp_path / "tmp", tmp_path / "file"
+    home.mkdir()
+    temporary.mkdir()
+    file.write_text("")
+    own = temporary / f"mien-{os.getuid()}"
+    assert cache_folder({"HOME": str(home)}, source, temporary) == home / ".cache" / "mien"
+    assert cache_folder({"HOME": str(file)}, source, temporary) == own
+    assert cache_folder({}, source, temporary) == own
+    assert cache_folder({}, source, file) is None
+    given = {"NUMBA_CACHE_DIR": str(tmp_path / "given"), "HOME": str(home)}
+    assert cache_folder(given, source, temporary) == tmp_path / "given"
+    assert cache_folder({**given, "NUMBA_CACHE_DIR": str(file / "x")}, source, temporary) == home / ".cache" / "mien"
+
+
+def test_code_is_not_taken_from_a_folder_that_others_can_write(tmp_path: Path) -> None:
+    source, temporary = blocked(tmp_path / "source"), tmp_path / "tmp"
+    own = temporary / f"mien-{os.getuid()}"
+    own.mkdir(parents=True)
+    own.chmod(0o777)
+    assert cache_folder({}, source, temporary) is None
+    own.rmdir()
+    (temporary / "other").mkdir()
+    own.symlink_to(temporary / "other")
+    assert cache_folder({}, source, temporary) is None
+
+
+def test_who_can_write_nowhere_compiles_all_the_same() -> None:
+    code = (
+        "import tempfile\n"
+        "def refuse(*_, **__): raise PermissionError(13, 'Permission denied')\n"
+        "tempfile.TemporaryFile = refuse\n"
+        "import mien.core.compiled as c\n"
+        "assert not c.KEPT and 'nowhere' in c.cache_note()\n"
+        "import numba.core.caching as n\n"
+        "def no_place(*_): raise RuntimeError('no locator available')\n"
+        "n.FunctionCache.__init__ = no_place\n"
+        "@c.njit(cache=True)\n"
+        "def double(x):\n    return 2 * x\n"
+        "print(double(21))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "42", done.stderr

@@ -1,0 +1,133 @@
+"""MPEG-4 parameter files: round trip, units by hand, high-level parameters, faults with their lines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mien.core.channels import ALL
+from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.core.tracks import ChannelTrack
+from mien.face.library import load_face
+from mien.formats.fap import COUNT, FapTrack, fap_table, read_fap, write_fap_track
+from mien.formats.fap_animation import fap_track, fap_units, write_fap
+from mien.formats.registry import save
+from tests.faces import tiny_animation, tiny_face
+
+
+def same(one: FapTrack, other: FapTrack) -> bool:
+    fields = ("values", "masks", "visemes", "expressions")
+    return one.rate == other.rate and all(np.array_equal(getattr(one, f), getattr(other, f)) for f in fields)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 5), st.sampled_from(["25", "30", "30000/1001", "12.5"]))
+def test_any_track_comes_back(tmp_path_factory: pytest.TempPathFactory, seed: int, frames: int, fps: str) -> None:
+    rng = np.random.default_rng(seed)
+    masks = rng.random((frames, COUNT)) < 0.5
+    values = rng.integers(-2000, 2000, (frames, COUNT)) * masks
+    values[:, :2] = 0
+    visemes = rng.integers(0, 15, (frames, 4)) * masks[:, :1]
+    expressions = rng.integers(0, 7, (frames, 6)) * masks[:, 1:2]
+    track = FapTrack(values, masks, visemes, expressions, FrameRate.of(fps), "a b")
+    path = tmp_path_factory.mktemp("fap") / "a.fap"
+    write_fap_track(track, path)
+    again = read_fap(path)
+    assert again.name == "a_b"
+    assert again.rate.fps == pytest.approx(track.rate.fps, rel=1e-8)
+    assert same(replace(again, rate=track.rate), track)
+
+
+def posed(**weights: float):
+    values = np.zeros((2, len(ALL)))
+    for name, weight in weights.items():
+        values[1, ALL.index(name)] = weight
+    animation = tiny_animation(2)
+    return replace(animation, channels=ChannelTrack(ALL, values, animation.rate))
+
+
+def column(name: str) -> int:
+    return next(int(number) - 1 for number, facts in fap_table()["fap"].items() if facts["name"] == name)
+
+
+def test_a_jaw_and_a_head_by_hand() -> None:
+    face = load_face()
+    track = fap_track(posed(jawOpen=0.5, headYaw=10.0, headPitch=5.0, headRoll=-2.0), face)
+    part, chin = face.sites["chin"]
+    target = face.part(part).targets["jawOpen"]
+    drop = -0.5 * target.offsets[target.vertices == chin][0, 1]
+    lip, nose = face.part("skin").vertices[face.sites["lip_upper_inner"][1]], -45.36
+    unit = (nose - lip[1]) / 1024
+    assert track.values[1, column("open_jaw")] == pytest.approx(drop / unit, rel=0.02)
+    assert track.values[0, column("open_jaw")] == 0
+    assert track.values[1, column("head_yaw")] == round(np.radians(10) * 1e5)
+    assert track.values[1, column("head_pitch")] == round(np.radians(-5) * 1e5)  # up is negative
+    assert track.values[1, column("head_roll")] == round(np.radians(2) * 1e5)
+    assert not track.masks[:, :2].any()
+
+
+def test_signs_of_smile_brow_and_eyes() -> None:
+    track = fap_track(
+        posed(mouthSmileLeft=1, mouthSmileRight=1, browInnerUp=1, eyeBlinkLeft=1, eyeLookInLeft=1, eyeLookOutRight=1),
+        load_face(),
+    )
+    row = track.values[1]
+    for name in ("stretch_l_cornerlip", "stretch_r_cornerlip", "raise_l_cornerlip", "raise_r_i_eyebrow"):
+        assert row[column(name)] > 50, name
+    assert row[column("close_t_l_eyelid")] > 600
+    assert abs(row[column("close_t_r_eyelid")]) < 60
+    assert row[column("yaw_l_eyeball")] < 0  # both look to the speaker's right
+    assert row[column("yaw_r_eyeball")] < 0
+
+
+def test_high_level_parameters_follow_score_and_phones(tmp_path: Path) -> None:
+    animation = tiny_animation(30)
+    assert write_fap(animation, load_face(), tmp_path / "a.fap", high_level=True) == ()
+    track = read_fap(tmp_path / "a.fap")
+    assert track.masks[:, :2].all()
+    assert not track.masks[:, 2:].any()
+    intensity = track.emotions()
+    assert intensity[0, 0] == pytest.approx(0.6, abs=0.01)  # happy until half the sound
+    assert not intensity[-1].any()
+    assert track.visemes[-1, 0] == 1  # P
+    assert {10, 1} <= set(track.visemes[:, 0].tolist())  # AH, then P
+
+
+def test_saved_by_suffix_and_says_what_it_masks(tmp_path: Path) -> None:
+    (note,) = save(tiny_animation(3), tmp_path / "a.fap", face=load_face())
+    assert "raise_l_ear" in note.message
+    assert len(read_fap(tmp_path / "a.fap")) == 3
+    assert fap_units(load_face())["AU"] == 1e-5
+    with pytest.raises(InputError, match="lacks feature points"):
+        fap_units(tiny_face())
+    told = save(tiny_animation(3), tmp_path / "b.fap", face=tiny_face())
+    assert "measured on the default face" in told[0].message
+    assert (tmp_path / "b.fap").read_bytes() == (tmp_path / "a.fap").read_bytes()
+
+
+MASKS = " ".join(["1"] * COUNT)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "expected '2.1 NAME FPS FRAMES'"),
+        ("2.1 x 25", "expected '2.1 NAME FPS FRAMES'"),
+        ("2.1 x fast 1", ""),
+        ("2.1 x 25 1\n0 1", "a.fap:2: expected 68 masks of 0 or 1, got 2"),
+        ("# r\n2.1 x 25 1\n" + MASKS + "\n0 1 2", "a.fap:4: the masks ask for a frame number and 76 values, got 3"),
+        ("2.1 x 25 2\n" + "0 " * 68 + "\n0\n", "ends before the masks of frame 1 of 2"),
+        ("2.1 x 25 1\n" + "0 " * 67 + "a\n0\n", "a.fap:2: expected whole numbers"),
+    ],
+)
+def test_damaged_files_name_the_line(tmp_path: Path, text: str, told: str) -> None:
+    (tmp_path / "a.fap").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_fap(tmp_path / "a.fap")
+    assert told in str(caught.value)

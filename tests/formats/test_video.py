@@ -1,0 +1,180 @@
+"""MP4 files, read back with another decoder than wrote them where that matters: times, sound, colours, failures."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from mien.core.audio import Audio
+from mien.core.errors import InputError, OutputError
+from mien.core.timeline import FrameRate
+from mien.formats.video import write_frames, write_video
+from tests.faces import tiny_animation, tiny_face
+
+SIZE = (64, 48)
+
+
+def decode(path: Path):
+    """Times (s) and pictures of the video; the sound, with silence where the file says that it starts later."""
+    with av.open(str(path)) as container:
+        frames = [(f.time, f.to_ndarray(format="gray")) for f in container.decode(video=0)]
+    with av.open(str(path)) as container:
+        blocks = [(f.time, f.to_ndarray()[0]) for f in container.decode(audio=0)]
+        rate = container.streams.audio[0].rate
+    end = max(round(time * rate) + len(block) for time, block in blocks)
+    sound = np.zeros(end)
+    for time, block in blocks:
+        first = round(time * rate)
+        sound[max(first, 0) : first + len(block)] = block[max(-first, 0) :]
+    return frames, sound, rate
+
+
+def flash_and_click(fps: Fraction, seconds: float, at: float, rate: int):
+    """Black pictures but one, and silence but for a click, both at one time."""
+    frames = round(seconds * fps)
+    lit = round(at * fps)
+    pictures = [np.full((SIZE[1], SIZE[0], 3), 235 if n == lit else 16, np.uint8) for n in range(frames)]
+    samples = np.zeros(round(seconds * rate))
+    samples[round(at * rate) :][: rate // 100] = 0.8 * np.hanning(rate // 100)
+    return pictures, Audio(samples, rate)
+
+
+@pytest.mark.parametrize("rate", [8000, 16000, 22050, 44100, 48000, 96000, 11111])
+@pytest.mark.parametrize("fps", [Fraction(25), Fraction(30000, 1001)])
+def test_a_click_is_heard_when_its_flash_is_seen(tmp_path, rate, fps):
+    at = float(30 / fps)
+    pictures, sound = flash_and_click(fps, float(60 / fps), at, rate)
+    notes = write_frames(iter(pictures), fps, sound, tmp_path / "a.mp4", SIZE)
+    frames, heard, heard_rate = decode(tmp_path / "a.mp4")
+    assert len(frames) == 60
+    brightest = max(frames, key=lambda item: item[1].mean())
+    assert brightest[0] == pytest.approx(at, abs=1e-4)
+    assert heard_rate == (48000 if rate == 11111 else rate)
+    assert bool(notes) == (rate == 11111)
+    middle = float((np.arange(len(heard)) * heard**2).sum() / (heard**2).sum()) / heard_rate
+    assert middle == pytest.approx(at + 0.005, abs=0.003)
+
+
+def test_the_picture_is_as_long_as_the_sound(tmp_path):
+    animation = tiny_animation(13, FrameRate.of(25))
+    write_video(animation, tiny_face(), tmp_path / "a.mp4", width=64, height=64)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        video, sound = container.streams.video[0], container.streams.audio[0]
+        assert float(video.duration * video.time_base) == pytest.approx(13 / 25, abs=1e-3)
+        assert float(sound.duration * sound.time_base) == pytest.approx(13 / 25, abs=1 / 25)
+        assert container.duration / av.time_base == pytest.approx(13 / 25, abs=1 / 25)
+        assert (video.codec_context.name, video.codec_context.pix_fmt) == ("h264", "yuv420p")
+        assert video.average_rate == 25
+        context = video.codec_context
+        assert (context.color_primaries, context.color_trc, context.colorspace, context.color_range) == (1, 1, 1, 1)
+    content = (tmp_path / "a.mp4").read_bytes()
+    assert content.index(b"moov") < content.index(b"mdat")  # can be played while it loads
+
+
+def test_colours_are_those_of_bt709(tmp_path):
+    red = np.zeros((48, 64, 3), np.uint8)
+    red[:] = (255, 0, 0)
+    write_frames(iter([red] * 3), Fraction(25), Audio.silence(0.12, 16000), tmp_path / "a.mp4", SIZE)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        planes = next(container.decode(video=0)).to_ndarray()
+    luma, blue, red_difference = planes[:48].mean(), planes[48:60].mean(), planes[60:].mean()
+    assert (luma, blue, red_difference) == pytest.approx((63, 102, 240), abs=2)
+
+
+def test_the_same_animation_gives_the_same_bytes_and_progress_is_told(tmp_path):
+    told = []
+    for name in ("a.mp4", "b.mp4"):
+        animation = tiny_animation(6)
+        notes = write_video(
+            animation, tiny_face(), tmp_path / name, width=64, height=64, progress=lambda *done: told.append(done)
+        )
+        assert notes == ()
+    assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
+    assert told[:6] == [(number, 6) for number in range(1, 7)]
+
+
+def test_without_sound_there_is_no_sound_track(tmp_path):
+    pictures = [np.zeros((48, 64, 3), np.uint8)] * 2
+    write_frames(iter(pictures), Fraction(25), Audio([], 16000), tmp_path / "a.mp4", SIZE)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        assert [stream.type for stream in container.streams] == ["video"]
+
+
+@pytest.mark.parametrize("size", [(65, 64), (64, 63)])
+def test_odd_sides_are_refused_with_even_ones_to_take(tmp_path, size):
+    with pytest.raises(InputError, match=r"even numbers of pixels, not .*; \d+ x \d+ would do"):
+        write_video(tiny_animation(2), tiny_face(), tmp_path / "a.mp4", width=size[0], height=size[1])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_to_show_and_wrong_names_are_refused(tmp_path):
+    animation = tiny_animation(2)
+    empty = replace(animation, channels=type(animation.channels)(("jawOpen",), np.zeros((0, 1)), animation.rate))
+    with pytest.raises(InputError, match="no frames"):
+        write_video(empty, tiny_face(), tmp_path / "a.mp4")
+    with pytest.raises(OutputError, match=r"written as \.mp4, not '\.avi'"):
+        write_video(animation, tiny_face(), tmp_path / "a.avi")
+    with pytest.raises(OutputError, match="does not exist"):
+        write_video(animation, tiny_face(), tmp_path / "none" / "a.mp4", width=64, height=64)
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, MemoryError])
+def test_an_interruption_leaves_what_was_there_and_nothing_else(tmp_path, failure):
+    (tmp_path / "a.mp4").write_text("an older file")
+
+    def stop(done: int, _: int) -> None:
+        if done == 3:
+            raise failure
+
+    with pytest.raises(failure):
+        write_video(tiny_animation(8), tiny_face(), tmp_path / "a.mp4", width=64, height=64, progress=stop)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
+    assert (tmp_path / "a.mp4").read_text() == "an older file"
+
+
+def test_a_failing_encoder_stops_the_drawing(tmp_path):
+    drawn = []
+
+    def pictures():
+        for number in range(500):
+            drawn.append(number)
+            yield np.zeros((48, 64, 4 if number > 2 else 3), np.uint8)  # four colours are one too many
+
+    with pytest.raises(ValueError, match=r"shape|dimension|channel"):
+        write_frames(pictures(), Fraction(25), Audio.silence(20, 8000), tmp_path / "a.mp4", SIZE)
+    assert len(drawn) < 100
+    assert list(tmp_path.iterdir()) == []
+
+
+FULL_DISK = """
+import resource, signal, sys
+import numpy as np
+from fractions import Fraction
+from mien.audio import Audio
+from mien.errors import OutputError
+from mien.output.video import write_frames
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
+noise = np.random.default_rng(0).integers(0, 255, (40, 48, 64, 3), dtype=np.uint8)
+try:
+    write_frames(iter(noise), Fraction(25), Audio.silence(1.6, 16000), sys.argv[1], (64, 48))
+except OutputError as problem:
+    print(problem)
+"""
+
+
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_FSIZE"), reason="no limits on this system")
+def test_a_file_that_cannot_grow_is_one_line_and_no_file(tmp_path):
+    path = tmp_path / "a.mp4"
+    result = subprocess.run([sys.executable, "-c", FULL_DISK, str(path)], capture_output=True, text=True, check=True)
+    assert result.stdout.startswith(f"cannot write {path}: ")
+    assert len(result.stdout.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []

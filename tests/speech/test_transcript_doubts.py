@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.core.utterance import PAUSE
+from mien.speech.align import AlignedPhone
+from mien.speech.transcript_doubts import doubts, misfits
+from mien.text.normalisation import spoken_words
+
+RATE = 16_000
+WORDS = "seven again one two three four five"
+
+
+def speech_like(seconds: float, silent: tuple[float, float] | None = None) -> Audio:
+    samples: NDArray[np.float64] = np.random.default_rng(0).normal(0, 0.1, round(seconds * RATE))
+    if silent:
+        samples[round(silent[0] * RATE) : round(silent[1] * RATE)] *= 1e-4
+    return Audio(samples, RATE)
+
+
+def row(scores: list[float], phones_per_word: int = 4, pause_before: float = 0.0) -> list[AlignedPhone]:
+    """Phones of 0.1 s with given scores, after a pause."""
+    phones = [AlignedPhone(PAUSE, 0.0, pause_before, -1, -5.0)] if pause_before else []
+    for i, score in enumerate(scores):
+        start = pause_before + 0.1 * i
+        phones.append(AlignedPhone("AH", start, start + 0.1, i // phones_per_word, score))
+    return phones
+
+
+def test_good_scores_raise_no_doubt() -> None:
+    assert misfits(speech_like(2.8), row([-20.0] * 28)) == []
+
+
+def test_one_odd_phone_raises_no_doubt() -> None:
+    assert misfits(speech_like(2.8), row([-20.0] * 10 + [-400.0] + [-20.0] * 17)) == []
+
+
+def test_a_bad_run_is_named_with_its_words() -> None:
+    spoken = spoken_words(WORDS)
+    (note,) = doubts(speech_like(2.8), spoken, row([-90.0] * 10 + [-10.0] * 18))
+    assert note.kind == "warning"
+    assert note.message.startswith("the text does not seem to fit the sound between 0.00 s")
+    assert "'seven again one" in note.message
+    assert "five" not in note.message
+
+
+def test_words_laid_on_silence_are_named() -> None:
+    (misfit,) = misfits(speech_like(2.8, silent=(0.78, 1.64)), row([-20.0] * 28))
+    assert misfit.kind == "words on silence"
+    assert (misfit.first_word, misfit.last_word) == (2, 3)
+
+
+def test_speech_in_a_pause_is_named() -> None:
+    (misfit,) = misfits(speech_like(3.8), row([-20.0] * 28, pause_before=1.0))
+    assert misfit.kind == "speech without words"
+    assert misfit.start < 0.1
+    assert 0.9 < misfit.end <= 1.0
+
+
+def test_a_quiet_pause_raises_no_doubt() -> None:
+    assert misfits(speech_like(3.8, silent=(0.0, 1.0)), row([-20.0] * 28, pause_before=1.0)) == []

@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mien.core.errors import InputError
+from mien.text.normalisation import spoken_words
+from mien.text.pronunciation import pronounce
+from mien.text.spoken_numbers import cardinal, ordinal
+
+SPOKEN = [
+    ("Dr. Smith met Mrs. Jones.", "doctor smith met missus jones"),
+    ("$3.50, £20 and €1.5 million", "three dollars fifty cents twenty pounds and one point five million euros"),
+    ("$1, $0.99, $2bn", "one dollar ninety nine cents two billion dollars"),
+    ("on March 5, 2024", "on march fifth twenty twenty four"),
+    ("2024-03-05", "march fifth twenty twenty four"),
+    ("9/11/2001", "september eleventh two thousand one"),
+    ("at 3:45 p.m.", "at three forty five p. m."),
+    ("at 10:05", "at ten oh five"),
+    ("at 5:00", "at five o'clock"),
+    ("in 1984", "in nineteen eighty four"),
+    ("1999-2005", "nineteen ninety nine to two thousand five"),
+    ("the 1990s", "the nineteen nineties"),
+    ("the '80s", "the eighties"),
+    ("the 3rd of 21st", "the third of twenty first"),
+    ("2,000 people", "two thousand people"),
+    ("2.05 miles", "two point zero five miles"),
+    ("12 kg, 1 km, 100 km/h", "twelve kilograms one kilometer one hundred kilometers per hour"),
+    ("-5 °C", "minus five degrees celsius"),
+    ("50% & more", "fifty percent and more"),
+    ("1/2 cup and 2½", "one half cup and two and one half"),
+    ("call 555-1234", "call five five five one two three four"),
+    ("joe@example.com", "joe at example dot com"),
+    ("https://www.example.com/a", "example dot com slash a"),
+    ("St. John lives on Elm St.", "saint john lives on elm street"),
+    ("the FBX of NASA", "the f. b. x. of nasa"),
+    ("the U.S. team", "the u. s. team"),
+    ("Henry VIII, chapter IV", "henry the eighth chapter four"),
+    ("#1 hit", "number one hit"),
+    ("No. 5", "number five"),
+    ("state-of-the-art", "state of the art"),
+    ("it’s y'all's", "it's y'all's"),
+    ("Café naïve Zoë", "cafe naive zoe"),
+    ("IT IS A NICE DAY", "it is a nice day"),
+    ("It says IT here", "it says i. t. here"),
+    ("5'10\" tall", "five foot ten tall"),
+]
+
+
+@pytest.mark.parametrize(("written", "spoken"), SPOKEN)
+def test_reads_ordinary_writing(written: str, spoken: str) -> None:
+    assert spoken_words(written).spoken == spoken
+
+
+def test_each_word_knows_the_characters_it_stands_for() -> None:
+    text = "Well, Dr. Smith paid $3.50 today."
+    found = [(word.text, text[word.start : word.end]) for word in spoken_words(text).words]
+    assert found[:3] == [("well", "Well"), ("doctor", "Dr."), ("smith", "Smith")]
+    assert {written for word, written in found if word in ("three", "dollars", "fifty", "cents")} == {"$3.50"}
+    assert spoken_words(text).written_for(1, 3) == "Dr. Smith paid"
+
+
+def test_punctuation_becomes_pauses() -> None:
+    words = spoken_words("Well - no, wait! Is it well-known (here)? Yes.").words
+    assert [(word.text, word.pause) for word in words if word.pause] == [
+        ("well", "-"),
+        ("no", ","),
+        ("wait", "!"),
+        ("known", ","),
+        ("here", "?"),
+        ("yes", "."),
+    ]
+
+
+def test_a_closing_abbreviation_ends_the_sentence() -> None:
+    assert spoken_words("It was 3 p.m.").words[-1].pause == "."
+
+
+def test_emoji_are_left_out_with_one_note() -> None:
+    spoken = spoken_words("Hello 😀 there 👍🏽!")
+    assert spoken.spoken == "hello there"
+    assert len(spoken.notes) == 1
+    assert spoken.notes[0].kind == "note"
+    assert "😀" in spoken.notes[0].message
+
+
+@pytest.mark.parametrize("text", ["", "  \n", "...", "😀", "?!"])
+def test_nothing_to_say_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="at least one word"):
+        spoken_words(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "word", "script"),
+    [("Привет мир", "Привет", "Cyrillic"), ("say 你好 now", "你好", "Chinese"), ("ok مرحبا", "مرحبا", "Arabic")],
+)
+def test_other_scripts_are_refused_by_name(text: str, word: str, script: str) -> None:
+    with pytest.raises(InputError) as refused:
+        spoken_words(text)
+    assert repr(word) in str(refused.value)
+    assert script in str(refused.value)
+
+
+@given(st.text(alphabet=st.characters(codec="latin-1"), max_size=40))
+def test_any_latin_text_is_spoken_or_refused_in_one_line(text: str) -> None:
+    try:
+        spoken = spoken_words(text)
+    except InputError as refused:
+        message = str(refused)
+        spoken = None
+    if spoken is None:
+        assert "\n" not in message
+        return
+    for word in spoken.words:
+        assert 0 <= word.start < word.end <= len(text)
+        assert pronounce(word.text)
+
+
+@given(st.integers(0, 10**17))
+def test_cardinals_and_ordinals_end_alike(number: int) -> None:
+    head = cardinal(number).rpartition(" ")[0]
+    assert ordinal(number).rpartition(" ")[0] == head
+
+
+@pytest.mark.parametrize(
+    ("text", "spoken"),
+    [
+        ("50-60 people", "fifty to sixty people"),
+        ("a 50-60% chance", "a fifty to sixty percent chance"),
+        ("pages 3–5", "pages three to five"),
+        ("Boeing 747-400", "boeing seven hundred forty seven four hundred"),
+        ("3-2-1", "three two one"),
+        ("a 10-year-old", "a ten year old"),
+        ("1999-2001", "nineteen ninety nine to two thousand one"),
+        ("555-1234", "five five five one two three four"),
+    ],
+)
+def test_ranges_of_numbers(text: str, spoken: str) -> None:
+    assert spoken_words(text).spoken == spoken
+
+
+@pytest.mark.parametrize(
+    ("text", "phones"),
+    [
+        ("He read it.", "R EH D"),
+        ("Read it!", "R IY D"),
+        ("You should read it.", "R IY D"),
+        ("I have read.", "R EH D"),
+        ("Live music", "L AY V"),
+        ("I live here.", "L IH V"),
+        ("The wind blows.", "W IH N D"),
+        ("A lead pipe", "L EH D"),
+    ],
+)
+def test_words_written_alike(text: str, phones: str) -> None:
+    said = [word.phones for word in spoken_words(text).words if word.phones is not None]
+    assert said == [tuple(phones.split())]
