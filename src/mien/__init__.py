@@ -1,8 +1,8 @@
 """mien: speech or text in, an expressive 3D talking face out.
 
 >>> import mien
->>> sorted(mien.__all__)
-['Animation', 'Audio', 'InputError', 'MienError', 'Utterance', 'align', 'animate', 'doctor', 'express', 'save', 'say']
+>>> [name for name in sorted(mien.__all__) if name.islower()]
+['align', 'animate', 'doctor', 'express', 'save', 'say', 'score']
 
 The names are loaded when first used, so that ``import mien`` stays quick.
 """
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mien.core.audio import Audio
     from mien.core.errors import InputError, MienError
     from mien.core.utterance import Utterance
+    from mien.metrics.scoring import score
 
 __all__ = [
     "Animation",
@@ -32,6 +33,7 @@ __all__ = [
     "express",
     "save",
     "say",
+    "score",
 ]
 
 _HOMES = {
@@ -46,6 +48,7 @@ _HOMES = {
     "express": "mien.api.calls",
     "save": "mien.api.calls",
     "say": "mien.api.calls",
+    "score": "mien.metrics.scoring",
 }
 
 

@@ -38,6 +38,9 @@ from mien.cli import (
     recolor_command as recolor,
 )
 from mien.cli import (
+    score_command as score,
+)
+from mien.cli import (
     serve_command as serve,
 )
 from mien.cli import (
@@ -143,6 +146,7 @@ def _parser() -> argparse.ArgumentParser:
     add_record_command(commands)
     learn.add_command(commands)
     evaluate.add_command(commands)
+    score.add_command(commands)
     inspect.add_command(commands)
     face_commands.add_command(commands, _checked_face, _finish)
     express.add_command(commands, _checked_face, _finish)

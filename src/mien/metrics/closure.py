@@ -9,6 +9,7 @@ Conventions
 * Precision is over speech frames (frames inside phones that are no pause): of those with shut lips, the share within
   50 ms of a bilabial that counts. Frames within 50 ms of a bilabial beside a pause are left out of the balance: shut
   lips are right there and are no proof of anything.
+* `evaluate` asks as well, phones or none, whether one face's lips are shut when the other's are.
 * The same is asked of the recording itself; its own score is the yardstick, since a real speaker leaves some
   bilabials open (in the eyes of a tracker) and shuts the lips now and then without one.
 """
@@ -22,8 +23,20 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.core.timeline import Interval, Tier
+from mien.metrics.face_track import FaceTrack
+from mien.metrics.mouth import mouth_pair
+from mien.metrics.pairing import Pair, frontal
 
-__all__ = ["BILABIALS", "CLOSED", "TOLERANCE", "ClosureCounts", "closure_counts", "validate"]
+__all__ = [
+    "BILABIALS",
+    "CLOSED",
+    "TOLERANCE",
+    "ClosureCounts",
+    "closure_counts",
+    "evaluate",
+    "validate",
+    "validate_faces",
+]
 
 CLOSED = 0.75
 """Millimetres of lip opening below which lips are shut."""
@@ -158,3 +171,85 @@ def _has_speech_on_both_sides(phone: Interval, phones: Tier) -> bool:
         and phone.start - before.end < _TOUCHING
         and after.start - phone.end < _TOUCHING
     )
+
+
+# ------------------------------------------------------------ of two faces in motion
+
+
+def validate_faces(reference: FaceTrack, estimate: FaceTrack) -> None:
+    """Refuse two faces whose inner lips are not both seen.
+
+    Raises
+    ------
+    InputError
+    """
+    _openings(reference, estimate, None)
+
+
+def evaluate(
+    reference: FaceTrack, estimate: FaceTrack, *, counted: NDArray[np.bool_] | None = None
+) -> dict[str, float]:
+    """Score the closures of a mouth against another's.
+
+    Returns
+    -------
+    dict of str to float
+        ``shut_reference``, ``shut_estimate``: share of the frames with shut lips; ``shut_recall``, ``shut_precision``,
+        ``shut_f1``: of the frames that the reference (the estimate) shuts, the share within 50 ms of a shut frame of
+        the other; where phones are known ``bilabials``, and for the estimate and the ``_reference`` itself
+        ``closure_recall``, ``closure_precision``, ``closure_f1``. NaN where there is nothing to ask.
+
+    Raises
+    ------
+    InputError
+        As `validate_faces`.
+    """
+    pair, one, other = _openings(reference, estimate, counted)
+    held = pair.counted
+    shut = [held & (opening < CLOSED) for opening in (one, other)]
+    near = [_widened(each, pair.fps) for each in shut]
+    recall, precision = _share(shut[0], near[1]), _share(shut[1], near[0])
+    scores = {
+        "shut_reference": float(shut[0].sum() / held.sum()),
+        "shut_estimate": float(shut[1].sum() / held.sum()),
+        "shut_recall": recall,
+        "shut_precision": precision,
+        "shut_f1": _f1(recall, precision),
+    }
+    phones = reference.phones or estimate.phones
+    if phones is None:
+        return scores
+    for ending, opening in (("", other), ("_reference", one)):
+        counts = closure_counts(np.where(held, opening, np.nan), pair.times, phones, held)
+        scores["bilabials"] = float(counts.bilabials)
+        scores |= {
+            f"closure_recall{ending}": counts.recall,
+            f"closure_precision{ending}": counts.precision,
+            f"closure_f1{ending}": counts.f1,
+        }
+    return scores
+
+
+def _openings(
+    reference: FaceTrack, estimate: FaceTrack, counted: NDArray[np.bool_] | None
+) -> tuple[Pair, Array, Array]:
+    pair, sites = mouth_pair(reference, estimate, counted)
+    if not sites.inner:
+        raise InputError("the inner lips (2.2 and 2.3) are not among the landmarks that both have")
+    return pair, frontal(pair.reference, *sites.opening), frontal(pair.estimate, *sites.opening)
+
+
+def _widened(shut: NDArray[np.bool_], fps: float) -> NDArray[np.bool_]:
+    """Frames within `TOLERANCE` of a shut one."""
+    reach = int(np.floor(TOLERANCE * fps + 1e-6))
+    return np.asarray(np.convolve(shut, np.ones(2 * reach + 1), mode="same") > 0)
+
+
+def _share(frames: NDArray[np.bool_], found: NDArray[np.bool_]) -> float:
+    return float((frames & found).sum() / frames.sum()) if frames.any() else float("nan")
+
+
+def _f1(recall: float, precision: float) -> float:
+    if np.isnan(recall):
+        return float("nan")
+    return 2 * recall * precision / (recall + precision) if recall + np.nan_to_num(precision) > 0 else 0.0

@@ -21,6 +21,8 @@ from mien.metrics.trajectory import moments, separation, velocity
 
 __all__ = ["Tally", "tally"]
 
+_STILL = 1e-9  # mm
+
 Array = NDArray[np.float64]
 Tally = Mapping[str, Array]
 
@@ -95,5 +97,6 @@ def _sync(recording: Recording, synthesised: Array) -> Array:
     lag = lag_of_best_correlation(curves[0][held], curves[1][held], recording.fps)
     seen = np.isfinite(curves[0])
     late = onset_lag(curves[0][seen], curves[1][seen], recording.times[seen], recording.first_phone)
-    values = [lag, late, float(is_undetectable(lag)) if np.isfinite(lag) else np.nan]
+    moves = all(curve[held].std() > _STILL for curve in curves)  # without a lag in range it is not in sync either
+    values = [lag, late, float(np.isfinite(lag) and is_undetectable(lag)) if moves else np.nan]
     return np.array([part for v in values for part in (np.nan_to_num(v), float(np.isfinite(v)))])

@@ -134,6 +134,12 @@ class FaceTrack:
         """Seconds of every frame, shape (frames,)."""
         return self.rate.times(len(self.landmarks))
 
+    @property
+    def seen(self) -> frozenset[str]:
+        """Landmarks that were seen in one frame at least."""
+        known = np.isfinite(self.landmarks.positions).all(axis=2).sum(axis=0)
+        return frozenset(name for name, frames in zip(self.landmarks.names, known, strict=True) if frames)
+
     def places(self, names: Sequence[str]) -> Array:
         """Landmarks by name, shape (frames, names, 3)."""
         known = {name: place for place, name in enumerate(self.landmarks.names)}

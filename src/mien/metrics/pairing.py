@@ -77,9 +77,11 @@ def paired(
     InputError
         If too few landmarks or frames are left.
     """
-    common = [n for n in names if n in reference.landmarks.names and n in estimate.landmarks.names]
+    seen_in = [track.seen for track in (reference, estimate)]
+    common = [name for name in names if all(name in seen for seen in seen_in)]
     if len(common) < least:
-        lacking = next((t.name for t in (reference, estimate) if not set(names) & set(t.landmarks.names)), "")
+        tracks = (reference, estimate)
+        lacking = next((t.name for t, seen in zip(tracks, seen_in, strict=True) if not set(names) & seen), "")
         where = f"{lacking} has none" if lacking else f"only {len(common)} are in both"
         raise InputError(f"needs {least} of the landmarks {', '.join(list(names)[:4])}... in both; {where}")
     frames = min(len(reference.landmarks), reference.rate.frames_covering(estimate.times[-1] + 1e-9))
