@@ -56,8 +56,10 @@ class ExpressionModel(Protocol):
 class IdleModel(Protocol):
     """Blinks, glances, head sway."""
 
-    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> NDArray[np.float64]:
-        """Idle channels, shape (frames, channels)."""
+    def perform(
+        self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, score: Score = ...
+    ) -> NDArray[np.float64]:
+        """Idle channels, shape (frames, channels), of somebody who feels what the score says."""
 
 
 class ProsodyModel(Protocol):

@@ -2,7 +2,7 @@
 
 mouth       what the phones ask of the mouth, and when the lips must stay shut; a song opens it further
 expression  what the emotions ask of the whole face
-idle        blinks, glances, a moving head
+idle        blinks, glances, a moving head, in the manner of what is felt; no head turns faster than heads do
 prosody     brows and nods on the accents and phrase ends of the voice
 blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
 direct      curves of the score (gestures, gaze, action units) are laid over the result
@@ -23,6 +23,7 @@ from mien.core.errors import Note
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
+from mien.motion.alive.manner import steady_head
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth
 from mien.motion.mouth.singing import sing
 from mien.motion.performer import Performer
@@ -33,6 +34,7 @@ __all__ = ["blend", "direct", "express", "perform"]
 
 _WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
+_HEAD = [channels.ALL.index(name) for name in channels.HEAD]
 _LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
 
 
@@ -59,10 +61,12 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     if utterance.sung:
         mouth = sing(mouth, utterance, rate)
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
-    idle = performer.idle.perform(utterance, rate, for_idle)
+    idle = performer.idle.perform(utterance, rate, for_idle, score)
     prosody = performer.prosody.perform(utterance, rate, for_prosody)
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
-    values = direct(blend(mouth.values, expression * share + prosody, idle), score.curves, rate, share)
+    values = blend(mouth.values, expression * share + prosody, idle)
+    values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
+    values = direct(values, score.curves, rate, share)
     return Animation(
         channels=ChannelTrack(channels.ALL, values, rate),
         markers=mouth.markers,

@@ -12,7 +12,7 @@ from mien.core.errors import InputError
 from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
 from mien.text.parameter_curves import ParameterCurve
 
-__all__ = ["EmotionSpan", "Score"]
+__all__ = ["UNDIRECTED", "EmotionSpan", "Score"]
 
 _WRITTEN = re.compile(
     r"(?P<name>[^\[\]:@,]+)(\[\s*(?P<start>\d*\.?\d+)?\s*-\s*(?P<end>\d*\.?\d+)?\s*\])?(:(?P<intensity>.*))?"
@@ -97,3 +97,7 @@ class Score:
 
     emotions: tuple[EmotionSpan, ...] = ()
     curves: tuple[ParameterCurve, ...] = ()
+
+
+UNDIRECTED = Score()
+"""Nothing asked for."""

@@ -1,7 +1,8 @@
 """Glances: eyes on the one spoken to and away from them, saccades of the sizes, ways and lengths that people's have.
 
 The figures stand in ``assets/performance/gaze.toml`` (after Lee, Badler & Badler 2002). Not learned by us: drawn from
-their published distributions. A command such as ``LookAt`` sets the eyes and takes the place of glances.
+their published distributions. A command such as ``LookAt`` sets the eyes and takes the place of glances. What is felt
+changes how long eyes stay, how far they go and where (`mien.motion.alive.manner`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 from mien.core import channels
 from mien.core.poses import read_table
 from mien.core.utterance import PAUSE, Utterance
+from mien.motion.alive.manner import Manner
+from mien.text.score import UNDIRECTED, Score
 
 __all__ = ["AuthoredGaze", "Saccade"]
 
@@ -56,9 +59,11 @@ class AuthoredGaze:
         ways = {float(angle): float(share) for angle, share in self._table["direction"].items()}
         self._angles, self._shares = np.array(list(ways)), np.array(list(ways.values())) / sum(ways.values())
 
-    def perform(self, utterance: Utterance, times: Floats, random: np.random.Generator) -> Floats:
+    def perform(
+        self, utterance: Utterance, times: Floats, random: np.random.Generator, score: Score = UNDIRECTED
+    ) -> Floats:
         """The eyeLook channels at the times, shape (times, channels)."""
-        saccades = self.saccades(utterance, float(times[-1]) + 1.0 if len(times) else 1.0, random)
+        saccades = self.saccades(utterance, float(times[-1]) + 1.0 if len(times) else 1.0, random, score)
         values = np.zeros((len(times), len(channels.ALL)))
         side, height = self.directions(saccades, times)
         degrees = self._table["degrees"]
@@ -75,26 +80,35 @@ class AuthoredGaze:
             values[:, channels.ALL.index(name)] = np.clip(amount / full, 0.0, 1.0)
         return values
 
-    def saccades(self, utterance: Utterance, end: float, random: np.random.Generator) -> list[Saccade]:
-        """All saccades up to ``end`` seconds, in order."""
+    def saccades(
+        self, utterance: Utterance, end: float, random: np.random.Generator, score: Score = UNDIRECTED
+    ) -> list[Saccade]:
+        """All saccades up to ``end`` seconds, in order; ``score``: what is felt when."""
         found: list[Saccade] = []
-        now = 0.0
+        manner, now = Manner(score, end), 0.0
         while now < end:
             state = self._table["talking" if _speaks(utterance, now) else "listening"]
-            until = now + _held(state["on"], random)
+            until = now + _held(state["on"], random, manner.at("on", now))
             while now < until:  # small moves about the one spoken to
-                now += max(_LEAST_HOLD, random.exponential(self._table["fixation"]["hold"]))
-                across, up = random.standard_normal(2) * self._table["fixation"]["spread"]
+                rest = random.exponential(self._table["fixation"]["hold"])
+                now += max(_LEAST_HOLD, rest * manner.at("hold", now))
+                landing = self._small_move(manner, now, random)
                 if now < until:
-                    found.append(self._saccade(found, now, float(across), float(up)))
+                    found.append(self._saccade(found, now, *landing))
             now = until
             size, angle = self._size(random), float(random.choice(self._angles, p=self._shares))
+            size *= manner.at("spread", now)
             across, up = size * np.cos(np.radians(angle)), size * np.sin(np.radians(angle))
+            up -= manner.at("down", now) + manner.at("aside", now)
             found.append(self._saccade(found, now, float(across), float(up)))
-            now += _held(state["away"], random)
-            across, up = random.standard_normal(2) * self._table["fixation"]["spread"]
-            found.append(self._saccade(found, now, float(across), float(up)))
+            now += _held(state["away"], random, manner.at("away", now))
+            found.append(self._saccade(found, now, *self._small_move(manner, now, random)))
         return found
+
+    def _small_move(self, manner: Manner, now: float, random: np.random.Generator) -> tuple[float, float]:
+        """Where a small move about the one spoken to lands."""
+        across, up = random.standard_normal(2) * self._table["fixation"]["spread"] * manner.at("spread", now)
+        return float(across), float(up - manner.at("down", now))
 
     def directions(self, saccades: list[Saccade], times: Floats) -> tuple[Floats, Floats]:
         """Degrees to the speaker's left, and up, at the times."""
@@ -119,10 +133,10 @@ class AuthoredGaze:
         return Saccade(max(start, last.start + last.seconds), side, height, seconds)
 
 
-def _held(mean_and_spread: list[float], random: np.random.Generator) -> float:
-    """A stay of this mean and spread: gamma, since it is above 0 and skewed."""
+def _held(mean_and_spread: list[float], random: np.random.Generator, longer: float) -> float:
+    """A stay of this mean and spread, so many times as long: gamma, since it is above 0 and skewed."""
     mean, spread = mean_and_spread
-    return max(_LEAST_HOLD, float(random.gamma((mean / spread) ** 2, spread**2 / mean)))
+    return max(_LEAST_HOLD, float(random.gamma((mean / spread) ** 2, spread**2 / mean)) * longer)
 
 
 def _speaks(utterance: Utterance, moment: float) -> bool:

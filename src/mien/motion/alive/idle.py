@@ -8,6 +8,7 @@ Sources for the figures:
 * Head: with the voice, as learned (`mien.motion.alive.head_motion`), and a slow drift, its size and pace by looking;
   `mien.motion.alive.visual_prosody` nods besides. `benchmarks/head_motion.py` holds all three against recorded heads.
 
+What is felt changes all of them (`mien.motion.alive.manner`): an angry eye holds, a sad one looks down.
 A blink tends to fall in a pause or at a phrase end; here a planned blink moves to a pause when one is near.
 """
 
@@ -22,7 +23,9 @@ from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE, Utterance
 from mien.motion.alive.gaze import AuthoredGaze
 from mien.motion.alive.head_motion import default_head
+from mien.motion.alive.manner import Manner
 from mien.motion.drift import smooth_drift
+from mien.text.score import UNDIRECTED, Score
 
 __all__ = ["SIGNS", "AuthoredIdle"]
 
@@ -89,42 +92,62 @@ class AuthoredIdle:
                 raise unknown_name("sign of life", sign, [*SIGNS, "all", "off"])
         return cls(BLINKS_PER_MINUTE if "blinks" in asked else 0.0, "gaze" in asked, "sway" in asked, "head" in asked)
 
-    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> Floats:
-        """Idle channels, shape (frames, channels); lids and eyes as weights, head in degrees."""
+    def perform(
+        self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, score: Score = UNDIRECTED
+    ) -> Floats:
+        """Idle channels, shape (frames, channels); lids and eyes as weights, head in degrees.
+
+        ``score`` is what is felt when.
+        """
         times = rate.times(rate.frames_covering(utterance.duration))
         values = np.zeros((len(times), len(channels.ALL)))
+        manner = Manner(score, utterance.duration)
         for_blinks, for_gaze, for_head = random.spawn(3)
-        self._add_blinks(values, times, self.blink_times(utterance, for_blinks))
+        self._add_blinks(values, times, self.blink_times(utterance, for_blinks, manner), manner)
         if self.gaze:
-            values += self._gaze.perform(utterance, times, for_gaze)
+            values += self._gaze.perform(utterance, times, for_gaze, score)
+        return values + self._head(utterance, rate, for_head, manner)
+
+    def _head(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, manner: Manner) -> Floats:
+        times = rate.times(rate.frames_covering(utterance.duration))
+        values = np.zeros((len(times), len(channels.ALL)))
         if self.head:
             values += default_head().perform(utterance, rate)
         if self.sway:
             for name, spread in HEAD_SWAY.items():
-                values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, for_head)
+                values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, random)
+        for name in channels.HEAD:
+            values[:, channels.ALL.index(name)] *= manner.over(name.removeprefix("head").lower(), times)
+        if self.head or self.sway:
+            values[:, channels.ALL.index("headRoll")] += manner.over("tilt", times)
         return values
 
-    def blink_times(self, utterance: Utterance, random: np.random.Generator) -> list[float]:
+    def blink_times(
+        self, utterance: Utterance, random: np.random.Generator, manner: Manner | None = None
+    ) -> list[float]:
         """Seconds at which the lids meet, in order."""
         if self.blinks_per_minute <= 0:
             return []
+        manner = manner or Manner(UNDIRECTED, utterance.duration)
         mean = 60.0 / self.blinks_per_minute
         pauses = [p.start + BLINK_CLOSE for p in utterance.phones if p.label == PAUSE and p.start > 0]
         blinks: list[float] = []
-        now = float(random.uniform(0.3, 0.8)) * mean
+        now = float(random.uniform(0.3, 0.8)) * mean / manner.at("blinks", 0.0)
         while now < utterance.duration - BLINK_OPEN:
             near = [pause for pause in pauses if abs(pause - now) < PAUSE_PULL]
             moment = min(near, key=lambda pause: abs(pause - now)) if near else now
             if moment < utterance.duration - BLINK_OPEN and (not blinks or moment - blinks[-1] > 0.6):
                 blinks.append(moment)
-            now += float(np.clip(random.lognormal(np.log(mean) - 0.125, 0.5), 0.7, 4 * mean))
+            wait = float(np.clip(random.lognormal(np.log(mean) - 0.125, 0.5), 0.7, 4 * mean))
+            now += wait / manner.at("blinks", now)
         return blinks
 
-    def _add_blinks(self, values: Floats, times: Floats, blinks: list[float]) -> None:
+    def _add_blinks(self, values: Floats, times: Floats, blinks: list[float], manner: Manner) -> None:
         lids = [channels.ALL.index("eyeBlinkLeft"), channels.ALL.index("eyeBlinkRight")]
         for moment in blinks:
+            longer = manner.at("lids", moment)
             # The lids are shut during at least one frame at 25 frames per second: 1 from `moment` on.
-            closing = np.clip((times - (moment - BLINK_CLOSE)) / BLINK_CLOSE, 0, 1)
-            opening = np.clip((times - moment - BLINK_SHUT) / BLINK_OPEN, 0, 1)
+            closing = np.clip((times - (moment - longer * BLINK_CLOSE)) / (longer * BLINK_CLOSE), 0, 1)
+            opening = np.clip((times - moment - max(longer, 1.0) * BLINK_SHUT) / (longer * BLINK_OPEN), 0, 1)
             shape = np.sin(np.pi / 2 * closing) ** 2 * np.cos(np.pi / 2 * opening) ** 2
             values[:, lids] = np.maximum(values[:, lids], shape[:, None])

@@ -17,7 +17,7 @@ from mien.core.audio import Audio
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.motion.performer import ExpressionModel, IdleModel
-from mien.text.score import Score
+from mien.text.score import UNDIRECTED, Score
 
 __all__ = ["BLOCK", "OVERLAP", "EndlessMotion", "endless_expression", "endless_idle"]
 
@@ -64,13 +64,15 @@ class EndlessMotion:
         return new
 
 
-def endless_idle(idle: IdleModel, rate: FrameRate, random: np.random.Generator) -> EndlessMotion:
-    """Blinks, glances and head motion, with no regard to what is said."""
+def endless_idle(
+    idle: IdleModel, rate: FrameRate, random: np.random.Generator, score: Score = UNDIRECTED
+) -> EndlessMotion:
+    """Blinks, glances and head motion, with no regard to what is said; the score's emotions do not change."""
 
     def make(duration: float, draws: np.random.Generator) -> Floats:
         pause = Tier("phones", (Interval(0.0, duration, PAUSE),))
         nothing = Utterance("", Audio.silence(duration, 1000), Tier("words", ()), pause, "und", "none")
-        return idle.perform(nothing, rate, draws)
+        return idle.perform(nothing, rate, draws, score)
 
     return EndlessMotion(make, rate, random)
 

@@ -94,7 +94,7 @@ class LiveAnimator:
         self.phones, self.spoken = self.stream.phones(), np.zeros(len(channels.ALL))
         self._mouth = StreamingMouth(without_sound(performer.mouth), rate)
         self._expression = endless_expression(performer.expression, self.settings.score, rate, random[0])
-        self._idle = endless_idle(performer.idle, rate, random[1])
+        self._idle = endless_idle(performer.idle, rate, random[1], self.settings.score)
         self._sealed_share = performer.expression.sealed_share
         self._warm_up(performer)
 
