@@ -61,7 +61,7 @@ def test_over_a_live_link_recording_with_mpeg4_parameters(line: Path, tmp_path: 
     )
     recording, parameters, output = line.with_suffix(".csv"), tmp_path / "parameters.csv", tmp_path / "felt.csv"
     assert main(["express", str(recording), "--emotion", str(parameters), "-o", str(output)]) == 0
-    felt, plain = (read_livelink(path).channel("mouthSmileLeft") for path in (output, recording))
+    felt, plain = (read_livelink(path)[0].channel("mouthSmileLeft") for path in (output, recording))
     assert felt[0] == pytest.approx(plain[0], abs=1e-6)
     assert felt[-1] > plain[-1] + 0.4
 

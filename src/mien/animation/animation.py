@@ -60,7 +60,7 @@ class Animation:
         return self.channels.rate
 
 
-def imported(channels: ChannelTrack, name: str) -> Animation:
+def imported(channels: ChannelTrack, name: str, notes: tuple[Note, ...] = ()) -> Animation:
     """Motion from elsewhere as an animation, over silence: what is said in it is not known.
 
     Parameters
@@ -69,9 +69,12 @@ def imported(channels: ChannelTrack, name: str) -> Animation:
         Some of `mien.core.channels.ALL`; the others rest.
     name : str
         Where it comes from.
+    notes : tuple of Note
+        What was said when it was read.
     """
     seconds = len(channels) / channels.rate.fps
     pause = Tier("phones", (Interval(0.0, seconds, PAUSE),))
     silence = Utterance("", Audio.silence(seconds, 16_000), Tier("words", ()), pause, "und", "none")
     track = channels.select(ALL)
-    return Animation(track, None, silence, Score(), Provenance(f"imported from {name}", 0, version("mien")))
+    origin = Provenance(f"imported from {name}", 0, version("mien"))
+    return Animation(track, None, silence, Score(), origin, notes)

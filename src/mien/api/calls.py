@@ -212,7 +212,8 @@ def _moved(motion: str | Path | Animation, fps: Rate | None) -> Animation:
     if suffix == ".csv":
         from mien.formats.livelink import read_livelink
 
-        return imported(read_livelink(motion, FrameRate.of(fps) if fps is not None else None), Path(motion).stem)
+        track, notes = read_livelink(motion, FrameRate.of(fps) if fps is not None else None)
+        return imported(track, Path(motion).stem, notes)
     raise InputError(f"expected a native animation (.json) or a Live Link Face recording (.csv), got {motion}")
 
 

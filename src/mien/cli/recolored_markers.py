@@ -33,7 +33,8 @@ def recolored_file(path: Path, options: argparse.Namespace) -> Animation:
     """A file of markers, or a Live Link recording, in another emotion."""
     reader = detect(path)
     if reader.name == "livelink":
-        moved = imported(read_livelink(path, None), path.stem)
+        channels, notes = read_livelink(path)
+        moved = imported(channels, path.stem, notes)
         return recolor(moved, options.to, options.performer or "default", options.way)
     if options.way == "authored":
         raise InputError("bare markers change by a learned map alone: their face is not known; give no --way authored")

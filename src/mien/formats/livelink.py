@@ -1,21 +1,28 @@
-"""The columns of Epic's Live Link Face CSV, and reading it; `mien.formats.livelink_csv` writes it.
+"""Live Link Face's CSV: its columns, and reading what the app and others write; `mien.formats.livelink_csv` writes it.
 
-It lies below the corpus, which reads it too.
+Time comes from the timecode: hours, minutes, seconds, ticks (and thousandths of a tick). From it follow the frame rate
+(29.97 and 59.94 too, drop-frame counting included) and the frames that are missing. It lies below the corpus, which
+reads it too.
 """
 
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import reading
 from mien.core.channels import ARKIT, HEAD
-from mien.core.errors import InputError
+from mien.core.errors import InputError, Note
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 
@@ -30,75 +37,299 @@ COLUMNS: tuple[str, ...] = ("Timecode", "BlendShapeCount", *MOTION_COLUMNS)
 """The header line."""
 HEAD_SIGNS = np.array([1.0, -1.0, -1.0])
 """mien's yaw, pitch, roll against the app's."""
-_TIMECODE = re.compile(r"(\d+):(\d+):(\d+)[:;](\d+)(?:\.(\d+))?")
+
+_TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
+_DAY = 24 * 3600
+_LONGEST_GAP = 600.0  # seconds; more is another recording
+_FEWEST_WEIGHTS = 26  # of 52: with less it is another kind of table
+_NEEDED = ("Timecode", "JawOpen")
+_MOST_WEIGHT = 1.5  # above it weights are percent
+_MOST_RADIANS = 1.6  # no head turns further; above it angles are degrees
+
+Floats = NDArray[np.float64]
 
 
-def read_livelink(path: str | Path, rate: FrameRate | None = None) -> ChannelTrack:
+def read_livelink(path: str | Path, rate: FrameRate | None = None) -> tuple[ChannelTrack, tuple[Note, ...]]:
     """Read a recording of Live Link Face, or a file of `mien.formats.livelink_csv.write_livelink`.
+
+    Columns may be separated by commas, semicolons (then numbers may have decimal commas) or tabs. Weights in percent
+    and angles in degrees are recognised by their size. Frames that are missing by the timecode, or in which the app
+    lost the face (count 0, empty cells), are filled in a straight line between their neighbours.
 
     Parameters
     ----------
     path : path-like
     rate : FrameRate, optional
-        Needed if the recording is shorter than a second: the file itself does not say it. Otherwise the number of
-        frames that the timecode counts in a second is taken, so 29.97 reads as 30 unless it is given here.
+        Needed if the recording is shorter than a second: the file itself does not say it. Otherwise it overrides what
+        the timecode says.
 
     Returns
     -------
-    ChannelTrack
-        The channels of `mien.core.channels.ARKIT` and `mien.core.channels.HEAD`, head in degrees. The eyes' angles say
-        the same
-        as the eyeLook weights and are not kept. A frame in which the app lost the face (count 0, no numbers) repeats
-        the frame ahead of it.
+    track : ChannelTrack
+        The channels of `mien.channels.ARKIT` and `mien.channels.HEAD`, head in degrees. The eyes' angles say the same
+        as the eyeLook weights and are not kept.
+    notes : tuple of Note
+        Whatever was filled, converted or left out.
 
     Raises
     ------
     InputError
-        If the file is missing, lacks a column, holds other things than numbers, or its rate cannot be known.
+        If the file is missing, lacks the columns, holds other things than numbers (file, line and column are named),
+        or its rate cannot be known.
     """
     path = Path(path)
+    with reading(path, "a Live Link Face CSV"):
+        table = _table(path)
+        motion, lost = _numbers(path, table)
+        motion = _in_our_units(path, motion, table)
+        codes = [row[table.places[0]] if len(row) > table.places[0] else "" for row in table.rows]
+        rate, places = _times(path, codes, table.lines, rate, table.notes)
+        motion = _filled(path, motion, places, lost, rate, table.notes)
+        return ChannelTrack(ARKIT + HEAD, motion, rate), tuple(table.notes)
+
+
+@dataclass
+class _Table:
+    """Rows as text, the lines where they stand, and the column of each wanted name (-1: none)."""
+
+    rows: list[list[str]]
+    lines: list[int]
+    header: list[str]
+    places: list[int]
+    decimal_comma: bool
+    notes: list[Note] = field(default_factory=list)
+
+
+def _table(path: Path) -> _Table:
+    text, notes = read_plain_text(path, "a Live Link Face CSV")
+    first = text.split("\n", 1)[0]
+    mark = max(",;\t", key=first.count)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as lines:
-            rows = [row for row in csv.reader(lines) if row]
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
-    except (UnicodeDecodeError, csv.Error) as problem:
+        numbered = [(number, row) for number, row in enumerate(csv.reader(text.split("\n"), delimiter=mark), 1) if row]
+    except csv.Error as problem:
         raise InputError(f"{path} is not a Live Link Face CSV: {problem}") from problem
+    check_size("rows", len(numbered), path)
+    header = [name.strip().lower() for name in numbered[0][1]] if numbered else []
     wanted = ("Timecode", *_WEIGHT_COLUMNS, *_HEAD_COLUMNS)
-    header = [name.strip().lower() for name in rows[0]] if rows else []
     missing = [name for name in wanted if name.lower() not in header]
-    if missing:
+    weights = len(set(_WEIGHT_COLUMNS) - set(missing))
+    if weights < _FEWEST_WEIGHTS or any(name in missing for name in _NEEDED):
         raise InputError(f"{path} is not a Live Link Face CSV: it lacks {len(missing)} columns, first {missing[0]!r}")
-    places = [header.index(name.lower()) for name in wanted]
-    motion = _numbers(path, rows, places[1:])
-    motion[:, len(ARKIT) :] = np.degrees(motion[:, len(ARKIT) :] * HEAD_SIGNS)
-    rate = rate or _counted_rate(path, [row[places[0]] for row in rows[1:]])
-    return ChannelTrack(ARKIT + HEAD, motion, rate)
+    table = _Table(
+        [row for _, row in numbered[1:]],
+        [number for number, _ in numbered[1:]],
+        [name.strip() for name in numbered[0][1]],
+        [header.index(name.lower()) if name.lower() in header else -1 for name in wanted],
+        mark != ",",
+        list(notes),
+    )
+    if missing:
+        table.notes.append(Note("warning", f"{path.name} has no {', '.join(missing)}: taken as 0"))
+    return table
 
 
-def _numbers(path: Path, rows: Sequence[Sequence[str]], places: Sequence[int]) -> NDArray[np.float64]:
-    motion = np.zeros((len(rows) - 1, len(places)))
-    for frame, row in enumerate(rows[1:]):
-        if len(row) <= max(places):
-            if len(row) < 2 or row[1].strip() != "0":
-                raise InputError(f"{path}, line {frame + 2}: expected {len(rows[0])} columns, got {len(row)}")
-            motion[frame] = motion[frame - 1] if frame else 0.0
+def _numbers(path: Path, table: _Table) -> tuple[Floats, NDArray[np.bool_]]:
+    """Values as they stand, shape (frames, columns), and which frames have none: the face was lost."""
+    places = table.places[1:]
+    motion = np.zeros((len(table.rows), len(places)))
+    lost = np.zeros(len(table.rows), dtype=bool)
+    for frame, (line, row) in enumerate(zip(table.lines, table.rows, strict=True)):
+        cells = [row[place].strip() if 0 <= place < len(row) else None for place in places]
+        said_lost = len(row) > 1 and row[1].strip() == "0"
+        if said_lost or not any(cells):
+            if not said_lost and len(row) < len(table.header) and len(row) > 1:
+                raise InputError(f"{path}, line {line}: expected {len(table.header)} columns, got {len(row)}")
+            lost[frame] = True
             continue
-        try:
-            motion[frame] = [float(row[place]) for place in places]
-        except ValueError as problem:
-            raise InputError(f"{path}, line {frame + 2}: expected numbers: {problem}") from problem
-    return motion
+        if len(row) <= max(places):
+            raise InputError(f"{path}, line {line}: expected {len(table.header)} columns, got {len(row)}")
+        if "" in cells:
+            lost[frame] = True
+            continue
+        for column, cell in enumerate(cells):
+            if cell is not None:
+                motion[frame, column] = _number(path, line, table, places[column], cell)
+    if lost.all() and len(lost):
+        raise InputError(f"{path}: the face was lost in all {len(lost)} frames: there is no motion in it")
+    return motion, lost
 
 
-def _counted_rate(path: Path, timecodes: Sequence[str]) -> FrameRate:
-    counts = []
-    for line, code in enumerate(timecodes, start=2):
-        match = _TIMECODE.fullmatch(code.strip())
-        if match is None:
-            raise InputError(f"{path}, line {line}: expected a timecode HH:MM:SS:FF.mmm, got {code!r}")
-        counts.append(int(match[4]))
-    ends = [before + 1 for before, after in pairwise(counts) if after < before]
-    if not ends:
-        raise InputError(f"{path} is shorter than a second, so its frame rate is not in it: give the rate")
-    return FrameRate.of(max(ends))
+def _number(path: Path, line: int, table: _Table, place: int, cell: str) -> float:
+    try:
+        number = float(cell.replace(",", ".") if table.decimal_comma else cell)
+        if not math.isfinite(number):
+            raise ValueError
+    except ValueError as problem:
+        column = f"column {place + 1} ({table.header[place]})"
+        raise InputError(f"{path}, line {line}, {column}: expected numbers, got {cell[:40]!r}") from problem
+    return number
+
+
+def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
+    """Weights 0..1, head in mien's degrees."""
+    weights, angles = motion[:, : len(ARKIT)], motion[:, len(ARKIT) :]
+    most = float(weights.max(initial=0.0))
+    if most > _MOST_WEIGHT:
+        if most > 100 * _MOST_WEIGHT:
+            raise InputError(f"{path}: weights up to {most:g}: expected 0 to 1, or percent")
+        table.notes.append(Note("note", f"{path.name} has weights up to {most:g}: read as percent"))
+        weights = weights / 100
+    outside = ((weights < -1e-6) | (weights > 1 + 1e-6)).any(axis=1)
+    if outside.any():
+        least, most = float(weights.min()), float(weights.max())
+        table.notes.append(
+            Note(
+                "warning",
+                f"{path.name} has weights from {least:.2f} to {most:.2f} in {int(outside.sum())} frames: "
+                "brought to 0..1",
+            )
+        )
+    if np.abs(angles).max(initial=0.0) > _MOST_RADIANS:
+        widest = float(np.abs(angles).max())
+        table.notes.append(Note("note", f"{path.name} has head angles up to {widest:.0f}: read as degrees"))
+    else:
+        angles = np.degrees(angles)
+    return np.hstack([np.clip(weights, 0.0, 1.0), angles * HEAD_SIGNS])
+
+
+# ------------------------------------------------------------------ time
+
+
+@dataclass(frozen=True)
+class _Code:
+    """A timecode: whole seconds since midnight, and ticks within the second."""
+
+    seconds: int
+    ticks: float
+    dropping: bool
+
+
+def _times(
+    path: Path, texts: Sequence[str], lines: Sequence[int], rate: FrameRate | None, notes: list[Note]
+) -> tuple[FrameRate, NDArray[np.int64]]:
+    """The rate, and the number of each row's frame, counted from the first row."""
+    codes = [_code(text) for text in texts]
+    unread = next((i for i, code in enumerate(codes) if code is None), None)
+    if unread is not None:
+        if rate is None:
+            raise InputError(
+                f"{path}, line {lines[unread]}: expected a timecode HH:MM:SS:FF.mmm, got {texts[unread][:40]!r}"
+            )
+        notes.append(Note("note", f"{path.name}, line {lines[unread]}: no timecode: its frames are taken as unbroken"))
+        return rate, np.arange(len(texts))
+    read = [code for code in codes if code is not None]
+    base = _ticks_in_a_second(read)
+    if base is None:
+        if rate is None:
+            raise InputError(f"{path} is shorter than a second, so its frame rate is not in it: give the rate")
+        base = math.ceil(max(rate.fps, *(code.ticks + 1 for code in read)))
+    dropping = any(code.dropping for code in read) or _drops(read, base)
+    now = np.array([_tick(code, base, dropping) for code in read])
+    wraps = np.concatenate([[0], np.cumsum(np.diff(now) < -_DAY * base / 2)])
+    now = now + wraps * _DAY * base
+    back = np.flatnonzero(np.diff(now) < 0)
+    if len(back):
+        line = lines[int(back[0]) + 1]
+        raise InputError(f"{path}, line {line}: the timecode goes back to {texts[int(back[0]) + 1]!r}: split the file")
+    step = _usual_step(now)
+    ticks_per_second = base * 1000 / 1001 if dropping else base
+    if rate is None:
+        rate = _named_rate(ticks_per_second / step)
+    return rate, np.round((now - now[0]) / step).astype(np.int64)
+
+
+def _code(text: str) -> _Code | None:
+    match = _TIMECODE.fullmatch(text.strip())
+    if match is None:
+        return None
+    hours, minutes, seconds, mark, ticks, part = match.groups()
+    whole = (int(hours) * 60 + int(minutes)) * 60 + int(seconds)
+    return _Code(whole, int(ticks) + (float(f"0.{part}") if part else 0.0), mark == ";")
+
+
+def _ticks_in_a_second(codes: Sequence[_Code]) -> int | None:
+    """How many ticks the timecode counts in a second, as the changes of the second show; None if there is none."""
+    pairs = list(pairwise(codes))
+    steps = [b.ticks - a.ticks for a, b in pairs if a.seconds == b.seconds and b.ticks > a.ticks]
+    step = float(np.median(steps)) if steps else 1.0
+    changes = [a.ticks + step - b.ticks for a, b in pairs if (b.seconds - a.seconds) % _DAY == 1]
+    if not changes:
+        return None
+    least = max(int(code.ticks) for code in codes) + 1
+    kinds, counts = np.unique(np.round(changes), return_counts=True)
+    return max(least, int(kinds[np.argmax(counts)]))
+
+
+def _drops(codes: Sequence[_Code], base: int) -> bool:
+    """Whether the first ticks of a minute are left out, as drop-frame timecode does (but each tenth minute)."""
+    left = 2 * round(base / 30)
+    if base % 30 or not left:
+        return False
+    firsts = [
+        b.ticks
+        for a, b in pairwise(codes)
+        if b.seconds // 60 != a.seconds // 60
+        and b.seconds % 60 == 0
+        and b.seconds // 60 % 10
+        and b.seconds - a.seconds == 1
+    ]
+    return bool(firsts) and all(left <= first < left + 1 for first in firsts)
+
+
+def _tick(code: _Code, base: int, dropping: bool) -> float:
+    """Ticks since midnight."""
+    ticks = code.seconds * base + code.ticks
+    if dropping:
+        minutes = code.seconds // 60
+        ticks -= 2 * round(base / 30) * (minutes - minutes // 10)
+    return ticks
+
+
+def _usual_step(now: Floats) -> float:
+    """Ticks from frame to frame where none is missing."""
+    steps = np.diff(now)
+    steps = steps[steps > 0]
+    if not len(steps):
+        return 1.0
+    middle = float(np.median(steps))
+    return float(steps[np.abs(steps - middle) < 0.5 * middle].mean())
+
+
+def _named_rate(fps: float) -> FrameRate:
+    """A whole rate, or one of television's, if it is one but for jitter."""
+    for known in (float(round(fps)), *(whole * 1000 / 1001 for whole in (24, 30, 48, 60, 120))):
+        if known and abs(fps - known) < 3e-4 * known:
+            return FrameRate.of(known)
+    return FrameRate.of(round(fps, 2))
+
+
+def _filled(
+    path: Path, motion: Floats, places: NDArray[np.int64], lost: NDArray[np.bool_], rate: FrameRate, notes: list[Note]
+) -> Floats:
+    """One row for each frame; what is missing lies on a straight line between its neighbours."""
+    if not len(motion):
+        return motion
+    steps = np.diff(places)
+    longest = float(steps.max(initial=0) / rate.fps)
+    if longest > _LONGEST_GAP:
+        raise InputError(f"{path}: {longest:.0f} s are missing in one place by the timecode: split the file there")
+    check_size("frames", int(places[-1]) + 1, path)
+    if int((steps == 0).sum()):
+        notes.append(Note("note", f"{path.name}: {int((steps == 0).sum())} frames share a timecode: the last is used"))
+    if int((steps > 1).sum()):
+        at = int(places[int(np.argmax(steps))] / rate.fps * 100) / 100
+        missing = int((steps[steps > 1] - 1).sum())
+        notes.append(
+            Note(
+                "warning",
+                f"{path.name}: {missing} frames are missing by the timecode, at most {longest:.2f} s in one place "
+                f"(at {at:.2f} s): filled between their neighbours",
+            )
+        )
+    if lost.any():
+        notes.append(Note("warning", f"{path.name}: the face was lost in {int(lost.sum())} frames: filled"))
+    seen = ~lost
+    frames, last = np.unique(places[seen][::-1], return_index=True)
+    values = motion[seen][::-1][last]
+    every = np.arange(int(places[-1]) + 1)
+    return np.stack([np.interp(every, frames, column) for column in values.T], axis=1)

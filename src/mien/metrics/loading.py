@@ -90,7 +90,7 @@ def _of_recording(path: Path, rate: FrameRate | None) -> FaceTrack:
     else:
         raise InputError(f"{path}: expected {_KINDS}")
     if reader.name == "livelink":
-        channels = read_livelink(path, rate)
+        channels, _ = read_livelink(path, rate)
         if not len(channels):
             raise InputError(f"{path}: holds no frame of motion")
         return FaceTrack.of_channels(channels, str(path))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import Layout, load_layout
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError
+from mien.core.plain_text import decode_text
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -34,8 +35,12 @@ def _is_livelink(path: Path) -> bool:
     if path.suffix.lower() != ".csv":
         return False
     with path.open("rb") as file:
-        head = file.readline(65536).decode("utf-8-sig", errors="replace").lower()
-    return head.startswith(COLUMNS[0].lower()) and "jawopen" in head
+        head = file.read(65536)
+    try:
+        line = decode_text(head[: len(head) // 4 * 4], path)[0].split("\n", 1)[0].lower()
+    except InputError:
+        return False
+    return line.startswith(COLUMNS[0].lower()) and "jawopen" in line
 
 
 def _find(source: Path) -> list[Found]:
@@ -45,12 +50,14 @@ def _find(source: Path) -> list[Found]:
 
 
 def _read(found: Found, recipe: Recipe) -> Raw:
-    channels = read_livelink(found.motion, FrameRate.of(recipe.fps) if recipe.fps else None)
+    channels, told = read_livelink(found.motion, FrameRate.of(recipe.fps) if recipe.fps else None)
     if not len(channels):
         raise InputError(f"{found.motion}: holds no frame of motion")
     audio, notes = read_audio(found.sound) if found.sound else (None, ())
     layout = load_layout(recipe.layout or "face-102")
-    return Raw(carried_markers(channels, layout), "mm", audio, channels.select(ARKIT), _head_motion(channels), notes)
+    return Raw(
+        carried_markers(channels, layout), "mm", audio, channels.select(ARKIT), _head_motion(channels), (*told, *notes)
+    )
 
 
 def carried_markers(channels: ChannelTrack, layout: Layout) -> MarkerTrack:

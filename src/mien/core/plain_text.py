@@ -1,0 +1,92 @@
+"""Texts as people save them: UTF-8, UTF-16 and UTF-32 with and without their marks, and Windows' own eight bits.
+
+Every text that a command reads comes through here, so that all of them take the same files.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from pathlib import Path
+
+from mien.core.errors import InputError, Note
+from mien.core.limits import check_size, read_bytes
+
+__all__ = ["decode_text", "read_plain_text"]
+
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_NOT_TEXT = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f\x81\x8d\x8f\x90\x9d]")
+_SAMPLE = 4096
+
+
+def read_plain_text(path: str | Path, what: str = "text") -> tuple[str, tuple[Note, ...]]:
+    """The text of a file, and a note if it was not in Unicode.
+
+    Parameters
+    ----------
+    path : path-like
+    what : str
+        What is expected, for messages: ``"text"``, ``"a table"``.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, no file, larger than the limit ``text``, or no text.
+    """
+    return decode_text(read_bytes(path, "text"), path, what)
+
+
+def decode_text(content: bytes, where: object, what: str = "text") -> tuple[str, tuple[Note, ...]]:
+    """Bytes as text: by their mark, else UTF-8, else UTF-16 by its zero bytes, else Windows-1252.
+
+    All line ends become line feeds.
+
+    Raises
+    ------
+    InputError
+        If the bytes are no text in any of them, or more than the limit ``text``.
+
+    Examples
+    --------
+    >>> decode_text("Hyvää päivää".encode("utf-16"), "a.txt")
+    ('Hyvää päivää', ())
+    >>> text, notes = decode_text("naïve".encode("cp1252"), "a.txt")
+    >>> text, notes[0].message
+    ('naïve', 'a.txt is not in UTF-8: read as Windows-1252 (Western European)')
+    """
+    check_size("text", len(content), where)
+    marked = next((encoding for mark, encoding in _MARKS if content.startswith(mark)), None)
+    encoding = marked or _wide_without_mark(content) or "utf-8"
+    notes: tuple[Note, ...] = ()
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError as problem:
+        name = {"utf-8-sig": "UTF-8"}.get(encoding, encoding.upper())
+        if encoding != "utf-8" or _NOT_TEXT.search(content.decode("latin-1")):
+            raise InputError(
+                f"{where}: expected {what} in {name}, got other bytes at byte {problem.start}; save it as UTF-8"
+            ) from problem
+        text = content.decode("cp1252")
+        notes = (Note("note", f"{_name(where)} is not in UTF-8: read as Windows-1252 (Western European)"),)
+    return text.replace("\r\n", "\n").replace("\r", "\n"), notes
+
+
+def _name(where: object) -> str:
+    return Path(str(where)).name if isinstance(where, Path) else str(where)
+
+
+def _wide_without_mark(content: bytes) -> str | None:
+    """UTF-16 without a mark: in Latin scripts every other byte is zero."""
+    sample = content[:_SAMPLE]
+    if len(sample) < 4 or len(content) % 2 or b"\0" not in sample:
+        return None
+    even, odd = sample[0::2].count(0) / (len(sample) // 2), sample[1::2].count(0) / (len(sample) // 2)
+    if odd > 0.6 and even < 0.1:
+        return "utf-16-le"
+    return "utf-16-be" if even > 0.6 and odd < 0.1 else None

@@ -1,0 +1,42 @@
+"""Texts as people save them."""
+
+from __future__ import annotations
+
+import codecs
+from pathlib import Path
+
+import pytest
+
+from mien.core.errors import InputError
+from mien.core.plain_text import decode_text, read_plain_text
+
+TEXT = "Hyvää päivää, naïve café.\nZwei Zeilen."
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32"])
+def test_unicode_in_all_its_forms(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "a.txt").write_bytes(TEXT.replace("\n", "\r\n").encode(encoding))
+    assert read_plain_text(tmp_path / "a.txt") == (TEXT, ())
+
+
+def test_big_endian_with_its_mark() -> None:
+    assert decode_text(codecs.BOM_UTF16_BE + TEXT.encode("utf-16-be"), "a")[0] == TEXT
+
+
+def test_windows_text_is_read_with_a_note(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes((TEXT + " – “quoted”").encode("cp1252"))
+    text, (note,) = read_plain_text(tmp_path / "a.txt")
+    assert text == TEXT + " – “quoted”"
+    assert note.message == "a.txt is not in UTF-8: read as Windows-1252 (Western European)"
+
+
+@pytest.mark.parametrize("content", [bytes(range(256)), b"\xff\xfe\x00", b"\xef\xbb\xbf\xff", b"RIFF\xff\x00\x00\x00"])
+def test_what_is_no_text_is_refused(content: bytes) -> None:
+    with pytest.raises(InputError, match=r"a\.txt: expected a table in"):
+        decode_text(content, "a.txt", "a table")
+
+
+def test_texts_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MIEN_MOST_TEXT", "10")
+    with pytest.raises(InputError, match="MIEN_MOST_TEXT"):
+        decode_text(b"x" * 11, "a.txt")
