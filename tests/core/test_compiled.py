@@ -55,7 +55,7 @@ def test_who_can_write_nowhere_compiles_all_the_same() -> None:
         "def refuse(*_, **__): raise PermissionError(13, 'Permission denied')\n"
         "tempfile.TemporaryFile = refuse\n"
         "import mien.core.compiled as c\n"
-        "assert not c.KEPT and 'nowhere' in c.cache_note()\n"
+        "assert not c.kept() and 'nowhere' in c.cache_note()\n"
         "import numba.core.caching as n\n"
         "def no_place(*_): raise RuntimeError('no locator available')\n"
         "n.FunctionCache.__init__ = no_place\n"
@@ -65,3 +65,23 @@ def test_who_can_write_nowhere_compiles_all_the_same() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout.strip() == "42", done.stderr
+
+
+def test_numba_is_loaded_by_the_first_call_and_kernels_find_each_other() -> None:
+    code = (
+        "import sys\n"
+        "from mien.core.compiled import njit, prange\n"
+        "@njit()\n"
+        "def square(x):\n    return x * x\n"
+        "@njit(parallel=True)\n"
+        "def squares(n):\n"
+        "    total = 0\n"
+        "    for i in prange(n):\n        total += square(i)\n"
+        "    return total\n"
+        "assert 'numba' not in sys.modules\n"
+        "assert squares.py_func(5) == squares(5) == 30\n"
+        "import numba\n"
+        "assert prange is numba.prange\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -15,8 +15,9 @@ The problem is convex; one weight after another is set to its best value, frame 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from mien.core.compiled import njit
 
 __all__ = ["descend"]
 

@@ -104,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _tell_of_lost_kernels(quiet: bool) -> None:
     compiled = sys.modules.get("mien.core.compiled")
-    if compiled is not None and not compiled.KEPT and not quiet:
+    if compiled is not None and "numba" in sys.modules and not compiled.kept() and not quiet:
         print(f"mien: note: {compiled.cache_note()}; set NUMBA_CACHE_DIR to a folder of yours", file=sys.stderr)
 
 

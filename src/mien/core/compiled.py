@@ -3,7 +3,9 @@
 numba keeps machine code beside the source, or under the home directory, and refuses to compile at all where it can
 write to neither (a read-only installation, a service without a home). So the folder is chosen here, once, before numba
 is loaded: beside the source, ``~/.cache/mien``, the folder for temporary files; else nothing is kept and every start
-compiles again. All kernels take ``njit`` from here.
+compiles again. All kernels take ``njit`` and ``prange`` from here.
+
+numba is loaded when a kernel is first called: loading it takes longer than speaking a line, which needs none.
 """
 
 from __future__ import annotations
@@ -12,11 +14,14 @@ import contextlib
 import os
 import stat
 import tempfile
+import threading
 from collections.abc import Callable, Mapping
+from functools import cache, update_wrapper
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-__all__ = ["KEPT", "cache_folder", "cache_note", "njit", "prange"]
+__all__ = ["Kernel", "cache_folder", "cache_note", "kept", "njit", "prange"]
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 
@@ -64,28 +69,77 @@ def _temporary_folder() -> Path:
         return Path(os.devnull)
 
 
-_source = Path(__file__).parent
-_folder = cache_folder(os.environ, _source, _temporary_folder())
-if _folder is not None and _folder != _source / "__pycache__":
-    os.environ[_VARIABLE] = str(_folder)
-
-import numba  # noqa: E402 - it reads the variable when it is loaded
-
-if _VARIABLE in os.environ:  # somebody may have loaded it before
-    numba.config.CACHE_DIR = os.environ[_VARIABLE]  # type: ignore[attr-defined]
-
-prange = numba.prange
-KEPT = _folder is not None
-"""Whether compiled kernels are kept between starts."""
+@cache
+def _folder() -> Path | None:
+    return cache_folder(os.environ, Path(__file__).parent, _temporary_folder())
 
 
-def njit(**options: Any) -> Callable[[Any], Any]:
-    """`numba.njit`, kept between starts where there is a place for it."""
-    return numba.njit(**{**options, "cache": options.get("cache", False) and KEPT})  # type: ignore[no-any-return]
+def kept() -> bool:
+    """Whether compiled kernels are kept between starts."""
+    return _folder() is not None
+
+
+@cache
+def _numba() -> ModuleType:
+    folder = _folder()
+    if folder is not None and folder != Path(__file__).parent / "__pycache__":
+        os.environ[_VARIABLE] = str(folder)
+    import numba
+
+    if _VARIABLE in os.environ:  # somebody may have loaded it before
+        numba.config.CACHE_DIR = os.environ[_VARIABLE]  # type: ignore[attr-defined]
+    return numba
+
+
+_one_at_a_time = threading.RLock()
+prange = range
+"""`numba.prange` inside kernels; plain `range` in what Python runs."""
+
+
+class Kernel:
+    """A function that numba compiles (or reads from its cache) when it is first called.
+
+    Parameters
+    ----------
+    function : callable
+    options : mapping
+        Of `numba.njit`.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]) -> None:
+        self.py_func, self._options = function, options
+        self._compiled: Callable[..., Any] | None = None
+        update_wrapper(self, function)
+
+    def __call__(self, *given: Any) -> Any:
+        """Run it."""
+        return (self._compiled or self.compiled())(*given)
+
+    def compiled(self) -> Callable[..., Any]:
+        """What numba makes of it; the kernels that it calls by name become numba's as well."""
+        with _one_at_a_time:
+            if self._compiled is None:
+                numba, options = _numba(), dict(self._options)
+                options["cache"] = options.get("cache", False) and kept()
+                compiled = self._compiled = numba.njit(**options)(self.py_func)
+                names = self.py_func.__globals__
+                for name, value in list(names.items()):
+                    if isinstance(value, Kernel):
+                        names[name] = value.compiled()
+                    elif value is prange and name == "prange":
+                        names[name] = numba.prange
+                return compiled  # type: ignore[no-any-return]
+            return self._compiled
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """`numba.njit` at the first call, kept between starts where there is a place for it."""
+    return lambda function: Kernel(function, options)
 
 
 def cache_note() -> str:
     """One line on where compiled kernels are kept, for `mien doctor`."""
-    if _folder is None:
+    folder = _folder()
+    if folder is None:
         return "compiled kernels are kept nowhere (nothing can be written): each start compiles for half a minute"
-    return f"compiled kernels are kept in {_folder}"
+    return f"compiled kernels are kept in {folder}"
