@@ -43,6 +43,7 @@ def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
 
 def _retarget(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
     from mien.face.foreign.drawn import drawn_face
+    from mien.face.library import load_face
     from mien.face.model import Face
     from mien.motion.marker_motion import MarkerPairs, retarget
 
@@ -52,6 +53,8 @@ def _retarget(options: argparse.Namespace, checked_face: CheckFace, finish: Fini
     pairs = MarkerPairs.read(options.pairs) if options.pairs is not None else None
     recorded, layout, head = _recorded(options)
     assert recorded.markers is not None
+    if isinstance(face, str):
+        face = load_face(face)
     shown = face if isinstance(face, Face) else drawn_face(face).by_channels()
     moved = retarget(recorded.markers, layout, shown, options.method, pairs, options.rest, options.seed)
     if not options.quiet:

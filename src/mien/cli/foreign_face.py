@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from mien.core.errors import InputError
 
 if TYPE_CHECKING:
     from mien.face.foreign.recognition import ForeignFace
+    from mien.face.model import Face
 
-__all__ = ["add_face_option", "checked_foreign_face"]
+__all__ = ["ShownFace", "add_face_option", "checked_foreign_face"]
+
+ShownFace: TypeAlias = "str | Face | ForeignFace"
+"""A face to show; by its name where it comes with mien and nothing has to be known of it yet."""
 
 
 def add_face_option(parser: argparse.ArgumentParser) -> None:

@@ -51,15 +51,13 @@ from mien.cli import (
 )
 from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
-from mien.cli.foreign_face import add_face_option, checked_foreign_face
+from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
 
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
-    from mien.face.foreign.recognition import ForeignFace
-    from mien.face.model import Face
 
 __all__ = ["main"]
 
@@ -257,10 +255,10 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> Face | ForeignFace:
+def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> ShownFace:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
     from mien.face.foreign.gltf_document import is_gltf
-    from mien.face.library import load_face
+    from mien.face.library import known_faces, load_face
     from mien.formats.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
@@ -270,6 +268,8 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
         return checked_foreign_face(options.face, outputs, options.deformer, options.names)
     if options.names is not None:
         raise InputError(f"--names is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
+    if options.face in known_faces() and options.deformer == "blendshapes":
+        return str(options.face)  # read when something shows it
     face = load_face(options.face)
     if options.deformer != "blendshapes":
         from mien.face.deformers import deformed_by
@@ -293,7 +293,7 @@ def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> 
         written.add(real)
 
 
-def _finish(animation: Animation, face: Face | ForeignFace, options: argparse.Namespace) -> int:
+def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from mien.api import calls as api

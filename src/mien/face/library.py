@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 
@@ -54,4 +55,9 @@ def load_face(name: str | Path = "default") -> Face:
         return read_face(name)
     if name not in known_faces():
         raise unknown_name("face", str(name), known_faces())
+    return _own(str(name))
+
+
+@lru_cache(maxsize=1)
+def _own(name: str) -> Face:
     return read_face(_folder() / f"{name}.npz")

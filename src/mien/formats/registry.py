@@ -11,7 +11,7 @@ from mien.core.errors import InputError, Note, unknown_name
 from mien.core.files import check_writable
 from mien.face.model import Face
 
-__all__ = ["EXPORTERS", "Exporter", "Progress", "check_output", "save"]
+__all__ = ["EXPORTERS", "Exporter", "Progress", "check_output", "save", "shows_face"]
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all)."""
@@ -238,6 +238,17 @@ def check_output(path: str | Path) -> Path:
     path = Path(path)
     _exporter(path).check()
     return check_writable(path)
+
+
+def shows_face(path: str | Path) -> bool:
+    """Whether what is written to ``path`` needs a face.
+
+    Examples
+    --------
+    >>> shows_face("line.mp4"), shows_face("line.csv")
+    (True, False)
+    """
+    return _exporter(Path(path)).shows_face
 
 
 def save(

@@ -18,7 +18,7 @@ Progress = Callable[[int, int], None]
 def save(
     animation: Animation,
     *paths: str | Path,
-    face: str | Path | Face | ForeignFace = "default",
+    face: str | Path | Face | ForeignFace | None = "default",
     names: str | Path | None = None,
     progress: Progress | None = None,
 ) -> tuple[Note, ...]:
@@ -31,7 +31,7 @@ def save(
         As `mien.formats.registry.EXPORTERS` names them; all are checked before the first is written.
     face : str, Path, Face or ForeignFace
         The face for the formats that show one: by name, loaded, or one of another maker (``.glb``, ``.vrm``,
-        ``.gltf``), which is driven by its own morph targets and written with everything else in it.
+        ``.gltf``), which is driven by its own morph targets and written with everything else in it. None: the default.
     names : str, Path or None
         A table of names of your own for such a face (``docs/faces.md``).
     progress : callable (done, total) or None
@@ -50,9 +50,9 @@ def save(
         If a file cannot be written; nothing is left half-written.
     """
     from mien.face.foreign.gltf_document import is_gltf
-    from mien.face.library import load_face
+    from mien.face.library import known_faces, load_face
     from mien.formats.foreign_faces import save_on_foreign
-    from mien.formats.registry import check_output
+    from mien.formats.registry import check_output, shows_face
     from mien.formats.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
@@ -64,5 +64,7 @@ def save(
         raise InputError("names are for a face in .glb, .vrm or .gltf")
     if isinstance(face, Path):
         face = str(face)
+    if isinstance(face, str) and face in known_faces() and not any(shows_face(target) for target in targets):
+        face = None  # reading it takes longer than writing the file
     shown = load_face(face) if isinstance(face, str) else face
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))

@@ -15,6 +15,7 @@ from mien.motion.expression.hand_made_performance import (
     authored_performance,
     authored_space,
     sealed_share,
+    space_of,
 )
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan, Score
@@ -159,3 +160,10 @@ def test_refusals() -> None:
         ExpressionSpace().fit({"happy": ragged})
     with pytest.raises(InputError, match="unknown emotion 'hapy'"):
         SPACE.sample("hapy", 1.0, np.random.default_rng(0))
+
+
+def test_one_emotion_alone_has_the_curves_it_has_in_the_space_of_all() -> None:
+    alone = space_of("sad")
+    assert alone.emotions == ("sad",)
+    np.testing.assert_allclose(alone.curves_["sad"][0], SPACE.curves_["sad"][0], atol=1e-9)
+    np.testing.assert_array_equal(alone.carried_["sad"][0], SPACE.carried_["sad"][0])

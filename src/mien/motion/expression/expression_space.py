@@ -131,6 +131,11 @@ class ExpressionSpace:
         self.carried_ = {name: tuple(s.carried for s in found) for name, found in sources.items()}
         return self
 
+    def restore(self, curves: Mapping[str, tuple[Floats, ...]], carried: Mapping[str, tuple[Floats, ...]]) -> Self:
+        """Take curves that were made before, and what they carry: enough to `sample`, not for `motion`."""
+        self.curves_, self.carried_ = dict(curves), dict(carried)
+        return self
+
     @property
     def emotions(self) -> tuple[str, ...]:
         """Emotions that have curves."""

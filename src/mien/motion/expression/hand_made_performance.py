@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from mien.capture.layouts import load_layout
 from mien.core import channels
+from mien.core.derived import read_derived
 from mien.core.facs import action_units, unit_track
 from mien.core.poses import pose_vector, read_table
 from mien.core.timeline import FrameRate
@@ -33,8 +33,11 @@ __all__ = [
     "authored_expression",
     "authored_performance",
     "authored_sources",
+    "authored_space",
+    "derived_axes",
     "marker_basis",
     "sealed_share",
+    "space_of",
     "without_eyelids",
 ]
 
@@ -42,6 +45,9 @@ Floats = NDArray[np.float64]
 TABLE = "emotions.toml"
 LAYOUT = "face-102"
 """Markers on which the space of the authored repertoire is learned: a set like that of Deng et al. 2006."""
+DERIVED = "expression_axes"
+SOURCES = ("performance/emotions.toml", "facs/units.toml", f"markers/{LAYOUT}.toml", "faces/default.npz")
+"""Files of ``assets`` that the space is worked out from."""
 SETTLED = 2.0  # seconds at the start of a performance that are left out: nobody is caught in the middle of an onset
 
 
@@ -54,7 +60,7 @@ def authored_expression() -> Expression:
     ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
     """
     names = tuple(read_table(TABLE)["emotion"])
-    return Expression(names, lambda _: authored_space(), sealed_share(), frozenset(names))
+    return Expression(names, space_of, sealed_share(), frozenset(names))
 
 
 def sealed_share() -> Floats:
@@ -69,6 +75,29 @@ def sealed_share() -> Floats:
 def authored_space() -> ExpressionSpace:
     """The expression space of the authored repertoire."""
     return ExpressionSpace().fit(authored_sources())
+
+
+@cache
+def space_of(emotion: str) -> ExpressionSpace:
+    """The part of `authored_space` that one emotion needs, by what is kept of the space (`derived_axes`)."""
+    axes, performed = _axes(), authored_performance(emotion)
+    curve = performed @ axes["axes"] + axes["offset"]
+    return ExpressionSpace().restore({emotion: (curve,)}, {emotion: (performed,)})
+
+
+@cache
+def _axes() -> dict[str, Floats]:
+    return read_derived(DERIVED, SOURCES) or derived_axes()
+
+
+def derived_axes() -> dict[str, Floats]:
+    """`authored_space` as a map of channels: ``curve = performed @ axes + offset`` (see `mien.core.derived`)."""
+    space = authored_space().space_
+    basis = marker_basis(load_face("default"), LAYOUT, without_eyelids(LAYOUT))
+    return {
+        "axes": np.asarray((basis * space.weights_) @ space.axes_.T),
+        "offset": np.asarray(-(space.mean_ * space.weights_) @ space.axes_.T),
+    }
 
 
 def authored_sources() -> dict[str, list[ExpressiveMotion]]:
@@ -158,6 +187,8 @@ def marker_basis(face: Face, layout: str, markers: Sequence[str]) -> Floats:
 
     The head's turns are no motion of the face: their rows are zero.
     """
+    from scipy.spatial import cKDTree
+
     found = load_layout(layout)
     skin = face.part("skin")
     _, vertices = cKDTree(skin.vertices).query(found.places[found.index(markers)])
