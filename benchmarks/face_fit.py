@@ -19,10 +19,10 @@ from made_heads import MadeHead, Persons, dense
 
 from mien.core.channels import ARKIT
 from mien.core.files import replace_when_complete
+from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import head_space
 from mien.fit.fit_head import FittedHead, fit_head
 from mien.fit.head_regions import region_distances
-from mien.fit.head_reshaping import reshaped_face
 from mien.fit.landmarks import needed_landmarks
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "face_fit.md"

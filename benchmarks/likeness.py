@@ -26,12 +26,12 @@ from mien.face.posing import Poser
 from mien.face.render.camera import Camera
 from mien.face.render.lighting import Lighting
 from mien.face.render.renderer import Renderer
+from mien.face.warps import similarity_between
 from mien.fit.from_photos import face_from_photos
 from mien.fit.head_regions import head_regions
 from mien.fit.landmarks import known_landmarks
 from mien.fit.photo_marks import Photo, named_marks
 from mien.fit.shape_from_photos import shape_from_photos
-from mien.fit.warps import similarity_between
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "likeness.md"
 WIDTH, HEIGHT = 900, 1200

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from mien.face.model import Face
+from mien.face.surface import edges_of
 from mien.fit.fit_head import GivenMesh
 from mien.fit.landmarks import known_landmarks
-from mien.fit.surface import edges_of
 
 TOOLS = Path(__file__).parent.parent / "tools" / "bake_face"
 MIDDLE = np.array([0.0, -25.0, -55.0])  # inside the head, mm: where the made-up scanner stands

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from mien.core.errors import InputError
+from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import head_space
 from mien.face.storage import read_face, write_face
 from mien.fit.fit_head import fit_head
-from mien.fit.head_reshaping import reshaped_face
 from tests.fit.heads import Z_UP, marks_of, mesh_of, other_shape
 
 
@@ -80,7 +80,7 @@ def test_the_face_can_be_kept(shuffled, tmp_path):
 
 def test_joined_lips_are_cut_apart():
     """A grid of the foremost surface, as a scan gives it, holds the lips together."""
-    from mien.fit.surface import Surface
+    from mien.face.surface import Surface
 
     space = head_space()
     outer = np.flatnonzero((space.inside_mouth < 0.5) & (space.rest[:, 2] > -30) & (np.abs(space.rest[:, 1]) < 108))

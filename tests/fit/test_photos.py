@@ -10,6 +10,7 @@ from PIL import Image
 
 from mien.core.errors import InputError
 from mien.face.head_space import head_space
+from mien.face.warps import similarity_between
 from mien.fit.from_photos import face_from_photos
 from mien.fit.head_regions import head_regions
 from mien.fit.landmarks import known_landmarks, other_side
@@ -18,7 +19,6 @@ from mien.fit.photo_camera import PhotoCamera, find_camera
 from mien.fit.photo_marks import named_marks
 from mien.fit.photo_paint import PaintSettings
 from mien.fit.shape_from_photos import shape_from_photos
-from mien.fit.warps import similarity_between
 from tests.fit.heads import other_shape
 
 WIDTH, HEIGHT = 600, 800

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.cleaning.normalise import best_similarity
+from mien.capture.head import fit_head_to_markers
 from mien.capture.knowledge import knowledge, source_named
 from mien.capture.layouts import Layout, load_layout
 from mien.capture.openings import Seen, openings_of
 from mien.core.errors import InputError
 from mien.core.tracks import MarkerTrack
+from mien.face.head_reshaping import reshaped_face
+from mien.face.head_space import head_space
 from mien.face.library import load_face
 from mien.face.marker_sites import place_markers
 from mien.face.model import Face
@@ -24,6 +27,10 @@ __all__ = ["Person", "fit_person", "neutral_markers"]
 Floats = NDArray[np.float64]
 
 _IRIS = 468  # landmarks from here on sit on eyeballs
+_OVAL = (
+    338, 297, 332, 284, 251, 389, 356, 454, 323, 361, 288, 397, 365, 379, 378, 400, 377, 148, 176, 149, 150, 136,
+    172, 58, 132, 93, 234, 127, 162, 21, 54, 103, 67, 109,
+)  # fmt: skip
 _FEWEST = 12
 _SEEN = 0.5  # share of frames in which a marker has to be there
 _GAUSS = 1.4826 / np.sqrt(6.0)  # from the median of second differences to a standard deviation
@@ -119,11 +126,19 @@ def fit_person(
             f"half of the frames; {_FEWEST} or more are needed"
         )
     chosen = tuple(names[i] for i in usable)
-    face = face or load_face("default")
+    head = np.zeros(0)
+    if face is None:
+        space = head_space()
+        rim = np.array([name in _rim(layout) for name in chosen])
+        fitted = fit_head_to_markers(
+            space, place_markers(space.face, layout, chosen), rest[usable], source_named(source), rim
+        )
+        head, face = fitted.weights, reshaped_face(space, fitted.skin, "captured").face
     placed = place_markers(face, layout, chosen)
     turn = best_similarity(rest[usable], placed.places, np.ones(len(usable)), scale=True)[:3, :3]
     sought = [name for name in knowledge().channels[source] if any(name in part.targets for part in face.parts)]
     basis = basis_at(face, placed.sites, sought)
+    basis[[n for n, name in enumerate(sought) if name.startswith(("jaw", "mouth"))]] *= _mouth_size(face)
     moving = np.abs(basis).max(axis=(1, 2)) > 0.05
     sought, basis = [n for n, moves in zip(sought, moving, strict=True) if moves], basis[moving]
     seen = openings_of(layout.landmarks, chosen, rest[usable] @ turn.T, frames[:, usable] @ turn.T)
@@ -133,13 +148,34 @@ def fit_person(
         markers=chosen,
         neutral=rest[usable],
         turn=turn,
-        head=np.zeros(0),
+        head=head,
         channels=tuple(sought),
         basis=basis,
         region=region[usable],
         noise=_noise([track.positions[:, usable] @ turn.T for track in tracks]),
         openings=seen,
     )
+
+
+def _mouth_size(face: Face) -> float:
+    """How far motion of the mouth counts against the eyes' distance, and not only against the head's own proportions.
+
+    Recordings are brought to size, and scored, by the outer corners of the eyes. A mouth that opens 10 mm in a long
+    face opens less of that face: in proportion to the face the default head shows less than was recorded, in
+    proportion to the eyes more than a face of its shape would. The geometric mean of both is taken.
+    """
+    across = [
+        abs(f.part(a[0]).vertices[a[1], 0] - f.part(b[0]).vertices[b[1], 0])
+        for f, a, b in (
+            (f, f.sites["eye_outer_left"], f.sites["eye_outer_right"]) for f in (face, load_face("default"))
+        )
+    ]
+    return float(np.sqrt(across[0] / across[1]))
+
+
+def _rim(layout: Layout) -> set[str]:
+    """Markers on the rim of the face: a tracker's oval."""
+    return {layout.landmarks[number] for number in _OVAL if number in layout.landmarks}
 
 
 def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Floats:

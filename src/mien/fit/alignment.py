@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError, Note
 from mien.face.head_space import HeadSpace
+from mien.face.warps import Similarity, similarity_between
 from mien.fit.landmarks import known_landmarks, other_side
-from mien.fit.warps import Similarity, similarity_between
 
 __all__ = ["UNITS", "Alignment", "align"]
 

@@ -11,20 +11,20 @@ from scipy.spatial import cKDTree
 
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError, Note
+from mien.face.contact import Seam, dense_targets, lid_seam, lip_seam
+from mien.face.head_reshaping import EyePlace, Reshaped, reshaped_face
 from mien.face.head_space import HeadSpace, head_space
 from mien.face.model import Face
+from mien.face.surface import Surface
+from mien.face.warps import Similarity
 from mien.fit.alignment import Alignment, align
-from mien.fit.contact import Seam, dense_targets, lid_seam, lip_seam
 from mien.fit.eye_cut import cut_out_eye, eye_patch
 from mien.fit.head_mesh import HeadMesh, prepared_mesh
 from mien.fit.head_parts import ADDED, DEFAULT_ADDED, GivenMesh, HeadParts
-from mien.fit.head_reshaping import EyePlace, Reshaped, reshaped_face
 from mien.fit.landmarks import places_of_landmarks
 from mien.fit.lip_cut import cut_apart, joined_share
 from mien.fit.shape_transfer import Carried, carry_over, filled
-from mien.fit.surface import Surface
 from mien.fit.surface_fit import FitSettings, SurfaceFit, fit_surface
-from mien.fit.warps import Similarity
 
 __all__ = ["ADDED", "FittedHead", "GivenMesh", "fit_head"]
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mien.core.errors import Note
+from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import SKIN, HeadSpace, head_space
 from mien.face.model import Face, Material, Part
-from mien.fit.head_reshaping import reshaped_face
+from mien.face.surface import vertex_normals
 from mien.fit.photo_camera import PhotoCamera
 from mien.fit.photo_marks import Photo
 from mien.fit.photo_paint import Painted, PaintSettings, paint_from_photos
 from mien.fit.shape_from_photos import PhotoFit, PhotoFitSettings, shape_from_photos
-from mien.fit.surface import vertex_normals
 
 __all__ = ["PhotoFace", "face_from_photos"]
 

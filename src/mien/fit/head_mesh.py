@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mien.core.errors import InputError, Note
-from mien.fit.surface import vertex_normals
-from mien.fit.warps import Similarity
+from mien.face.surface import vertex_normals
+from mien.face.warps import Similarity
 
 __all__ = ["HeadMesh", "Piece", "prepared_mesh", "sphere_through"]
 

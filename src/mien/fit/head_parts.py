@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.face.head_reshaping import Reshaped, sparse_target
 from mien.face.head_space import HeadSpace
 from mien.face.model import Eye, Material, Part, Target
 from mien.fit.head_mesh import HeadMesh, Piece
-from mien.fit.head_reshaping import Reshaped, sparse_target
 from mien.fit.shape_transfer import Carried
 
 __all__ = ["ADDED", "DEFAULT_ADDED", "GivenMesh", "HeadParts"]

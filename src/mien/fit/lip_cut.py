@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.fit.contact import Seam
-from mien.fit.surface import edges_of
+from mien.face.contact import Seam
+from mien.face.surface import edges_of
 
 __all__ = ["cut_apart", "joined_share"]
 

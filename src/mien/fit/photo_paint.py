@@ -23,8 +23,8 @@ from scipy.spatial import cKDTree
 
 from mien.face.head_space import HeadSpace
 from mien.face.render.raster_maps import Grid, draw_triangles, sample
+from mien.face.surface import vertex_normals
 from mien.fit.photo_camera import PhotoCamera
-from mien.fit.surface import vertex_normals
 
 __all__ = ["PaintSettings", "Painted", "paint_from_photos"]
 

@@ -16,9 +16,9 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from mien.face.contact import distance_along, split_loop
 from mien.face.head_space import HeadSpace
-from mien.fit.contact import distance_along, split_loop
-from mien.fit.surface import Closest, Surface, edges_of
+from mien.face.surface import Closest, Surface, edges_of
 
 __all__ = ["Carried", "carry_over", "filled"]
 

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from mien.face.head_space import HeadSpace
+from mien.face.surface import Closest, Surface, edges_of, vertex_normals
+from mien.face.warps import SmoothWarp
 from mien.fit.alignment import Alignment
 from mien.fit.landmarks import known_landmarks
-from mien.fit.surface import Closest, Surface, edges_of, vertex_normals
-from mien.fit.warps import SmoothWarp
 
 __all__ = ["FitSettings", "SurfaceFit", "fit_surface", "umbrella"]
 

@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.sparse.csgraph import dijkstra
 
 from mien.face.head_space import SKIN, HeadSpace, head_space
-from mien.fit.surface import edges_of
+from mien.face.surface import edges_of
 
 __all__ = ["Seam", "dense_targets", "distance_along", "lid_seam", "lip_seam", "split_loop"]
 

@@ -15,11 +15,11 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.face.contact import Seam, dense_targets, lid_seam, lip_seam
 from mien.face.head_space import SKIN, HeadSpace
 from mien.face.model import Eye, Face, Part, Target
-from mien.fit.contact import Seam, dense_targets, lid_seam, lip_seam
-from mien.fit.surface import edges_of, vertex_normals
-from mien.fit.warps import SmoothWarp, spread_points
+from mien.face.surface import edges_of, vertex_normals
+from mien.face.warps import SmoothWarp, spread_points
 
 __all__ = ["EyePlace", "Reshaped", "reshaped_face", "sparse_target"]
 

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mien.fit.surface import Surface, _grid, edges_of, vertex_normals
-from mien.fit.warps import SmoothWarp, similarity_between, spread_points
+from mien.face.surface import Surface, _grid, edges_of, vertex_normals
+from mien.face.warps import SmoothWarp, similarity_between, spread_points
 
 # Two squares, one over the other, that face each other: a shut mouth.
 _LOWER = np.array([[0, 0, 0], [10, 0, 0], [10, 0, 10], [0, 0, 10.0]])
