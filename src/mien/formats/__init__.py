@@ -1,5 +1,5 @@
-"""Files that mien writes: one adapter per format, each says what it loses."""
+"""Files that mien writes and reads: one file a format, each says what it loses; ``registry`` knows them all."""
 
-from mien.formats.registry import EXPORTERS, Exporter, check_output, save
+from mien.formats.registry import EXPORTERS, Exporter, check_output, exporters, save
 
-__all__ = ["EXPORTERS", "Exporter", "check_output", "save"]
+__all__ = ["EXPORTERS", "Exporter", "check_output", "exporters", "save"]

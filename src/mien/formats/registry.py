@@ -1,9 +1,14 @@
-"""Which formats there are; the suffix of a file name picks one."""
+"""Which formats there are; the suffix of a file name picks one.
+
+Formats of other packages join by entry points of the group ``mien.formats`` (``docs/formats.md``).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from mien.animation.animation import Animation
@@ -11,7 +16,10 @@ from mien.core.errors import InputError, Note, unknown_name
 from mien.core.files import check_writable
 from mien.face.model import Face
 
-__all__ = ["EXPORTERS", "Exporter", "Progress", "check_output", "save", "shows_face"]
+__all__ = ["EXPORTERS", "PLUG_INS", "Exporter", "Progress", "check_output", "exporters", "save", "shows_face"]
+
+PLUG_INS = "mien.formats"
+"""The group of entry points by which other packages bring formats; each entry point names an `Exporter`."""
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all)."""
@@ -206,11 +214,64 @@ EXPORTERS: tuple[Exporter, ...] = (
 )
 
 
+def exporters() -> tuple[Exporter, ...]:
+    """Every format that can be written: mien's own, then those that installed packages bring.
+
+    Raises
+    ------
+    InputError
+        If a package brings something that is no `Exporter`, or takes the suffix of another format.
+
+    Examples
+    --------
+    >>> [exporter.suffix for exporter in exporters()][:3]
+    ['.mp4', '.png', '.glb']
+    """
+    return EXPORTERS + _plugged_in()
+
+
+@cache
+def _plugged_in() -> tuple[Exporter, ...]:
+    taken = {exporter.suffix.lower(): "mien" for exporter in EXPORTERS}
+    found = []
+    for entry in sorted(entry_points(group=PLUG_INS), key=lambda entry: entry.name):
+        exporter, package = _loaded(entry), _package(entry)
+        if exporter.suffix.lower() in taken:
+            other = taken[exporter.suffix.lower()]
+            raise InputError(f"the package {package} brings the format {exporter.suffix}, which {other} has already")
+        taken[exporter.suffix.lower()] = package
+        found.append(exporter)
+    return tuple(found)
+
+
+def _package(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist is not None else entry.value
+
+
+def _loaded(entry: EntryPoint) -> Exporter:
+    try:
+        exporter = entry.load()
+    except Exception as problem:  # whatever somebody else's package raises: it is named, and one line says so
+        raise InputError(
+            f"the package {_package(entry)} brings a format that cannot be loaded ({entry.value}: {problem}): "
+            "update or uninstall it"
+        ) from problem
+    if not isinstance(exporter, Exporter):
+        raise InputError(
+            f"the package {_package(entry)} names {entry.value} as a format: expected an Exporter, "
+            f"got {type(exporter).__name__}"
+        )
+    return exporter
+
+
 def _exporter(path: Path) -> Exporter:
-    known = {exporter.suffix.lower(): exporter for exporter in EXPORTERS}
+    for exporter in EXPORTERS:  # other packages are looked up only where none of mien's own formats is meant
+        if exporter.suffix.lower() == path.suffix.lower():
+            return exporter
+    known = {exporter.suffix.lower(): exporter for exporter in exporters()}
     if path.suffix.lower() in known:
         return known[path.suffix.lower()]
-    names = [exporter.suffix for exporter in EXPORTERS]
+    names = [exporter.suffix for exporter in exporters()]
     if not path.suffix:
         raise InputError(f"cannot tell the format of {path}: end its name in one of {', '.join(names)}")
     raise unknown_name("output format", path.suffix, names)
@@ -254,7 +315,7 @@ def shows_face(path: str | Path) -> bool:
 def save(
     animation: Animation, path: str | Path, *, face: Face | None = None, progress: Progress | None = None
 ) -> tuple[Note, ...]:
-    """Write an animation to a file; the suffix picks the format (`EXPORTERS`).
+    """Write an animation to a file; the suffix picks the format (`exporters`).
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ def save(
     ----------
     animation : Animation
     *paths : str or Path
-        As `mien.formats.registry.EXPORTERS` names them; all are checked before the first is written.
+        As `mien.formats.registry.exporters` names them; all are checked before the first is written.
     face : str, Path, Face or ForeignFace
         The face for the formats that show one: by name, loaded, or one of another maker (``.glb``, ``.vrm``,
         ``.gltf``), which is driven by its own morph targets and written with everything else in it. None: the default.

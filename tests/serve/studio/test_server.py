@@ -258,8 +258,8 @@ def test_formats_whose_library_is_missing_are_not_offered(client: Client, take: 
         raise MissingPartError("it needs a library: pip install it")
 
     some = (EXPORTERS[0], replace(EXPORTERS[1], check=missing))
-    monkeypatch.setattr(about, "EXPORTERS", some)
-    monkeypatch.setattr(results, "EXPORTERS", some)
+    monkeypatch.setattr(about, "exporters", lambda: some)
+    monkeypatch.setattr(results, "exporters", lambda: some)
     about._writable.cache_clear()
     assert client.ask("GET", "/api/about").json["exports"] == [some[0].suffix]
     about._writable.cache_clear()

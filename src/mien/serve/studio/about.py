@@ -9,7 +9,7 @@ from typing import Any
 
 from mien.core import channels
 from mien.core.errors import MissingPartError
-from mien.formats.registry import EXPORTERS, Exporter
+from mien.formats.registry import Exporter, exporters
 from mien.serve.studio.settings import Limits
 from mien.serve.studio.studio_faces import DEFAULT_FACE
 from mien.serve.studio.views import CAMERAS, LIGHTS
@@ -47,7 +47,7 @@ def about(limits: Limits) -> dict[str, Any]:
 def _writable() -> tuple[Exporter, ...]:
     """The formats whose libraries are installed."""
     found = []
-    for exporter in EXPORTERS:
+    for exporter in exporters():
         with contextlib.suppress(MissingPartError):
             exporter.check()
             found.append(exporter)

@@ -12,7 +12,7 @@ from pathlib import Path
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note
 from mien.face.model import Face
-from mien.formats.registry import EXPORTERS
+from mien.formats.registry import exporters
 from mien.formats.saving import save
 from mien.serve.studio.jobs import Job
 from mien.serve.studio.lru_store import Kept, new_id
@@ -148,14 +148,14 @@ def checked_formats(asked: object) -> tuple[str, ...]:
     >>> checked_formats([".GLB", ".textgrid"])
     ('.glb', '.TextGrid')
     """
-    known = {exporter.suffix.lower(): exporter.suffix for exporter in EXPORTERS}
+    known = {exporter.suffix.lower(): exporter.suffix for exporter in exporters()}
     if not isinstance(asked, list) or not asked or not all(isinstance(one, str) for one in asked):
         raise FieldError("formats", f"expected a list of formats out of {', '.join(known.values())}")
     for one in asked:
         if one.lower() not in known:
             raise FieldError("formats", f"unknown format {one[:20]!r}; known: {', '.join(known.values())}")
     chosen = tuple(dict.fromkeys(known[one.lower()] for one in asked))
-    for exporter in EXPORTERS:
+    for exporter in exporters():
         if exporter.suffix in chosen:
             exporter.check()
     return chosen
