@@ -83,7 +83,7 @@ def test_help_loads_no_heavy_library() -> None:
         (["animate", "{sound}", "--voice", "x", "-o", "{dir}/a.csv"], "--voice is for 'mien say'"),
         (["align", "{sound}", "--text", "hello", "-o", "{dir}/a.csv"], "writes a .TextGrid"),
         (["align", "{sound}", "-o", "{dir}/a.TextGrid"], "--text"),
-        (["sing", "la"], "invalid choice"),
+        (["sing", "la"], "there is no command"),
         ([], "COMMAND"),
     ],
 )

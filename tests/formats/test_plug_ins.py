@@ -11,7 +11,7 @@ from mien.core.errors import InputError
 from mien.formats import registry
 from tests.faces import tiny_animation
 
-MODULE = '''
+MODULE = """
 from pathlib import Path
 
 from mien.formats import Exporter
@@ -25,7 +25,7 @@ def write(animation, path, face, progress):
 COUNT = Exporter(".frames", "how many frames there are", "everything else", False, write)
 TAKEN = Exporter(".GLB", "a rival", "everything", False, write)
 NOTHING = "no exporter"
-'''
+"""
 
 
 @pytest.fixture

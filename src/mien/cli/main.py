@@ -16,42 +16,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from mien.cli import (
-    evaluate_command as evaluate,
-)
-from mien.cli import (
-    express_command as express,
-)
-from mien.cli import face_commands
-from mien.cli import (
-    inspect_command as inspect,
-)
-from mien.cli import (
-    learn_command as learn,
-)
-from mien.cli import (
-    live_command as live,
-)
-from mien.cli import (
-    module_commands as modules,
-)
-from mien.cli import (
-    recolor_command as recolor,
-)
-from mien.cli import (
-    score_command as score,
-)
-from mien.cli import (
-    serve_command as serve,
-)
-from mien.cli import (
-    stimuli_command as stimuli,
-)
-from mien.cli import (
-    studio_command as studio,
+    evaluate_command,
+    express_command,
+    face_commands,
+    inspect_command,
+    learn_command,
+    list_commands,
+    live_command,
+    module_commands,
+    recolor_command,
+    score_command,
+    serve_command,
+    stimuli_command,
+    studio_command,
 )
 from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
+from mien.cli.help_page import help_page, options_of, with_suggestion
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
@@ -64,8 +46,25 @@ __all__ = ["main"]
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """Say it in one line, like every other error."""
-        self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
+        """Say it in one line, like every other error, with the nearest name that exists."""
+        commands = self._commands()
+        meant = commands.get(next((word for word in sys.argv[1:] if word in commands), ""), self)
+        message = with_suggestion(message, commands, options_of(meant))
+        self.exit(2, f"{self.prog}: error: {message}; see {meant.prog} --help\n")
+
+    def format_help(self) -> str:
+        """The commands by what they are for; other parsers as ever."""
+        if self.prog != "mien":
+            return super().format_help()
+        shown = {choice.dest: choice.help or "" for choice in self._subparsers_of()._choices_actions}
+        return help_page(self.description or "", shown)
+
+    def _commands(self) -> dict[str, argparse.ArgumentParser]:
+        return dict(self._subparsers_of().choices) if self._subparsers is not None else {}
+
+    def _subparsers_of(self) -> Any:
+        assert self._subparsers is not None
+        return self._subparsers._group_actions[0]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -142,23 +141,29 @@ def _parser() -> argparse.ArgumentParser:
 
     add_corpus_commands(commands)
     add_record_command(commands)
-    learn.add_command(commands)
-    evaluate.add_command(commands)
-    score.add_command(commands)
-    inspect.add_command(commands)
+    learn_command.add_command(commands)
+    evaluate_command.add_command(commands)
+    score_command.add_command(commands)
+    inspect_command.add_command(commands)
     face_commands.add_command(commands, _checked_face, _finish)
-    express.add_command(commands, _checked_face, _finish)
-    recolor.add_command(commands, _checked_face, _finish)
+    express_command.add_command(commands, _checked_face, _finish)
+    recolor_command.add_command(commands, _checked_face, _finish)
     add_emotion_commands(commands)
-    serve.add_command(commands)
-    live.add_command(commands)
-    studio.add_command(commands)
+    serve_command.add_command(commands)
+    live_command.add_command(commands)
+    studio_command.add_command(commands)
 
-    modules.add_commands(commands, _checked_face)
-    stimuli.add_commands(commands)
+    module_commands.add_commands(commands, _checked_face)
+    stimuli_command.add_commands(commands)
 
+    list_commands.add_commands(commands)
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)
+    helping = commands.add_parser("help", help="this page, or that of a command")
+    helping.add_argument("command", metavar="COMMAND", nargs="?")
+    helping.set_defaults(
+        run=lambda options: parser.parse_args([options.command, "--help"] if options.command else ["--help"])
+    )
     return parser
 
 
