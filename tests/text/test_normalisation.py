@@ -156,3 +156,69 @@ def test_ranges_of_numbers(text: str, spoken: str) -> None:
 def test_words_written_alike(text: str, phones: str) -> None:
     said = [word.phones for word in spoken_words(text).words if word.phones is not None]
     assert said == [tuple(phones.split())]
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("24/7", "twenty four seven"),
+        ("a 50/50 chance", "a fifty fifty chance"),
+        ("3/4 of it", "three quarters of it"),
+        ("1.5M users", "one point five million users"),
+        ("2k", "two thousand"),
+        ("5 km/h", "five kilometers per hour"),
+        ("00:00", "midnight"),
+        ("00:15", "zero fifteen"),
+        ("7 pm", "seven p. m."),
+        ("AT&T and R&D", "a. t. and t. and r. and d."),
+        ("call 911", "call nine one one"),
+        ("911.5 kg", "nine hundred eleven point five kilograms"),
+        ("CA 90210", "ca nine oh two one oh"),
+        ("C#, C++", "c. sharp c. plus plus"),
+        ("5¢", "five cents"),
+        ("the 80's and 1990s", "the eighties and nineteen nineties"),
+        ("30.11.2026", "november thirtieth twenty twenty six"),
+        ("2026-11-30T12:00Z", "november thirtieth twenty twenty six at twelve o'clock u. t. c."),
+        ("192.168.0.1", "one nine two dot one six eight dot zero dot one"),
+        ("version 3.11.7", "version three point eleven point seven"),
+        ("WWII", "world war two"),
+        ("a JPEG", "a jay peg"),
+        ("i. First\n(iv) last", "one first four last"),
+        ("I. Introduction", "one introduction"),
+        ("It was I.", "it was i"),
+        ("ﬁne ﬂow of oﬃce work", "fine flow of office work"),
+        ("𝐇𝐞𝐥𝐥𝐨 ①", "hello one"),
+    ],
+)
+def test_what_people_write_is_read_as_they_say_it(written: str, said: str) -> None:
+    assert spoken_words(written).spoken == said
+
+
+@pytest.mark.parametrize(
+    ("sentence", "word", "phones"),
+    [
+        ("I read it yesterday.", "read", "R EH D"),
+        ("I will read it.", "read", "R IY D"),
+        ("Did you read it?", "read", "R IY D"),
+        ("She read the letter.", "read", "R EH D"),
+        ("I have read it.", "read", "R EH D"),
+        ("Read it. I saw him yesterday.", "read", "R IY D"),
+        ("Wind the clock.", "wind", "W AY N D"),
+        ("The wind blew.", "wind", "W IH N D"),
+        ("Don't tear it.", "tear", "T EH R"),
+        ("A tear fell.", "tear", "T IH R"),
+        ("Record the song.", "record", "R IH K AO R D"),
+        ("The record broke.", "record", "R EH K ER D"),
+        ("It is of no use.", "use", "Y UW S"),
+        ("Use it.", "use", "Y UW Z"),
+        ("They live here.", "live", "L IH V"),
+        ("A live show.", "live", "L AY V"),
+        ("Lead pipes are old.", "lead", "L EH D"),
+        ("They lead the way.", "lead", "L IY D"),
+        ("Stay close to me.", "close", "K L OW S"),
+        ("Close the door.", "close", "K L OW Z"),
+    ],
+)
+def test_words_written_alike_are_told_apart(sentence: str, word: str, phones: str) -> None:
+    (said,) = [found for found in spoken_words(sentence).words if found.text == word]
+    assert said.phones == tuple(phones.split())

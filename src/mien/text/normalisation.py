@@ -9,55 +9,16 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mien.core.errors import InputError, Note
 from mien.text.heteronyms import with_heteronyms
 from mien.text.spoken_numbers import english_table
+from mien.text.spoken_text import SpokenText, SpokenWord
+from mien.text.stage_directions import without_directions
 from mien.text.text_patterns import READERS, TEXT_PATTERN
 
 __all__ = ["SpokenText", "SpokenWord", "spoken_words"]
-
-
-@dataclass(frozen=True)
-class SpokenWord:
-    """One word to be said.
-
-    Attributes
-    ----------
-    text : str
-        Lower case: letters and apostrophes. A letter said by its name carries a full stop: ``"b."``.
-    start, end : int
-        The characters of the written text that it stands for, ``written[start:end]``. Words of one number share them.
-    pause : str
-        The punctuation that follows, ``""`` if none: the strongest of ``. ? ! : ; , -``, where ``"-"`` is a dash.
-    phones : tuple of str or None
-        How it is to be pronounced, where that was asked for; ARPAbet.
-    """
-
-    text: str
-    start: int
-    end: int
-    pause: str = ""
-    phones: tuple[str, ...] | None = None
-
-
-@dataclass(frozen=True)
-class SpokenText:
-    """A written text and the words that are said for it, in order; at least one."""
-
-    written: str
-    words: tuple[SpokenWord, ...]
-    notes: tuple[Note, ...] = ()
-
-    @property
-    def spoken(self) -> str:
-        """The spoken words, parted by blanks."""
-        return " ".join(word.text for word in self.words)
-
-    def written_for(self, first: int, last: int) -> str:
-        """The written text of words ``first`` to ``last``, both included."""
-        return self.written[self.words[first].start : self.words[last].end]
 
 
 def spoken_words(text: str) -> SpokenText:
@@ -86,13 +47,13 @@ def spoken_words(text: str) -> SpokenText:
     """
     if not text.strip():
         raise InputError("a text to speak is empty: give at least one word")
-    clean, dropped = _clean(text)
-    words = _scan(clean)
+    clean, origin, dropped = _clean(text)
+    clean, notes = without_directions(clean)
+    words = [replace(word, start=origin[word.start], end=origin[word.end - 1] + 1) for word in _scan(clean)]
     if not words:
         raise InputError(f"nothing in the text {_shorten(text)!r} can be spoken: give at least one word or number")
-    notes: tuple[Note, ...] = ()
     if dropped:
-        notes = (Note("note", f"left out of the spoken text: {' '.join(dict.fromkeys(dropped))}"),)
+        notes += (Note("note", f"left out of the spoken text: {' '.join(dict.fromkeys(dropped))}"),)
     return SpokenText(text, with_heteronyms(words), notes)
 
 
@@ -104,25 +65,44 @@ _SAME_LENGTH = str.maketrans(
 )
 
 
-def _clean(text: str) -> tuple[str, list[str]]:
-    """A text of the same length in plain letters, known signs and blanks; and what was dropped from it."""
-    folded, signs = english_table()["folded_letters"], english_table()["signs"]
-    out, dropped = [], []
+def _clean(text: str) -> tuple[str, list[int], list[str]]:
+    """A text in plain letters, known signs and blanks; the written character of each; what was dropped."""
+    out: list[str] = []
+    origin: list[int] = []
+    dropped: list[str] = []
     for place, char in enumerate(text.translate(_SAME_LENGTH)):
-        category = unicodedata.category(char)
-        if char.isascii() or char in signs or char in "—¡¿‰" or char in folded:
-            out.append(char if category[0] != "C" else " ")
-        elif category[0] in "LN" and unicodedata.name(char, "").startswith("FULLWIDTH"):
-            out.append(unicodedata.normalize("NFKC", char))
-        elif category[0] == "L" and _is_latin(char):
-            out.append(char)
-        elif category[0] == "L" or category in ("Nd", "Nl") or (category == "Mc"):
+        read = _cleaned(char)
+        if read is None:
             raise _wrong_script(text, place)
-        else:
-            out.append(" " if category != "Mn" else "\u0301")
-            if category[0] == "S":
-                dropped.append(char)
-    return "".join(out), dropped
+        if read == " " and unicodedata.category(char)[0] == "S":
+            dropped.append(char)
+        out.append(read)
+        origin += [place] * len(read)
+    return "".join(out), origin, dropped
+
+
+def _cleaned(char: str) -> str | None:
+    """What one character counts as; None for a letter or digit of a script that English is not written in.
+
+    Ligatures, letters of formulas, circled and full-width letters and their like count as the plain letters that they
+    stand for (Unicode's compatibility decomposition).
+    """
+    category = unicodedata.category(char)
+    if (
+        char.isascii()
+        or char in english_table()["signs"]
+        or char in "—¡¿‰"
+        or char in english_table()["folded_letters"]
+    ):
+        return char if category[0] != "C" or char == "\n" else " "
+    plain = unicodedata.normalize("NFKC", char)
+    if plain != char and plain.isascii() and plain.isalnum():
+        return plain
+    if category[0] == "L" and _is_latin(char):
+        return char
+    if category[0] == "L" or category in ("Nd", "Nl", "Mc"):
+        return None
+    return "\u0301" if category == "Mn" else " "
 
 
 def _is_latin(char: str) -> bool:
@@ -155,7 +135,9 @@ def _scan(text: str) -> list[SpokenWord]:
     while place < len(text):
         match = TEXT_PATTERN.match(text, place)
         if match is None or match.end() == place:
-            if text[place] != "-" or text[place - 1 : place + 2].strip() == "-":
+            if text[place] == "\n" and text[place + 1 : place + 2] == "\n":
+                _note_pause(words, ".")  # a new paragraph; a single new line may be no more than the edge of the page
+            elif text[place] != "-" or text[place - 1 : place + 2].strip() == "-":
                 _note_pause(words, text[place])
             place += 1
             continue
@@ -169,7 +151,7 @@ def _scan(text: str) -> list[SpokenWord]:
 
 
 def _note_pause(words: list[SpokenWord], char: str) -> None:
-    char = {"—": "-", "(": ",", ")": ",", "\n": ";"}.get(char, char)
+    char = {"—": "-", "(": ",", ")": ","}.get(char, char)
     if words and char in _PAUSE_RANK and char != "-":
         if not words[-1].pause or _PAUSE_RANK.index(char) > _PAUSE_RANK.index(words[-1].pause):
             words[-1] = replace(words[-1], pause=char)

@@ -76,14 +76,70 @@ def _month_day(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     return [(match.start("month"), match.end("month"), month), (*match.span("day"), ordinal(int(match["day"])))]
 
 
+def _fixed(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    return _whole(match, english_table()["fixed"][match.group()])
+
+
+def _letters_and_letters(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``AT&T``, ``R&D``: letters by name."""
+    spelt = [" ".join(f"{letter.lower()}." for letter in part) for part in match.group().split("&")]
+    return _whole(match, " and ".join(spelt))
+
+
+def _day_month_year(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``30.11.2026``: the day first, as most of the world writes it."""
+    day, month, number = int(match["dot_day"]), int(match["dot_month"]), int(match["dot_year"])
+    return _whole(match, f"{english_table()['numbers']['months'][month - 1]} {ordinal(day)} {year(number)}")
+
+
+def _instant(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``2026-11-30T12:00Z``: the date is read by itself, what follows the T is a clock's time."""
+    zone = " u. t. c." if match["zone"] else ""
+    return _whole(match, f"at {_clock_words(int(match['t_hour']), int(match['t_minute']))}{zone}")
+
+
+def _net_number(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``192.168.0.1`` digit by digit, ``3.11.7`` number by number."""
+    parts = match.group().split(".")
+    read, dot = (digits, " dot ") if len(parts) == 4 else (lambda part: cardinal(int(part)), " point ")
+    return _whole(match, dot.join(read(part) for part in parts))
+
+
+def _sized(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``1.5M``, ``2k``."""
+    return _whole(match, f"{decimal(match['how_many'])} {english_table()['magnitudes'][match['magnitude']]}")
+
+
+def _listed(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """A Roman number that begins a line of a list: ``iv.``, ``(II)``."""
+    number = _roman_value(match["item"])
+    return _whole(match, cardinal(number)) if number else _word(match, text, shouting)
+
+
+def _roman_value(written: str) -> int:
+    """The value of a Roman number up to 39; 0 if it is none."""
+    parts = re.fullmatch(r"(X{0,3})(IX|IV|V?I{0,3})", written.upper())
+    ones = {"": 0, "I": 1, "II": 2, "III": 3, "IV": 4, "V": 5, "VI": 6, "VII": 7, "VIII": 8, "IX": 9}
+    return 10 * len(parts[1]) + ones[parts[2]] if parts else 0
+
+
+def _clock_words(hour: int, minute: int) -> str:
+    if hour in (0, 24) and not minute:
+        return "midnight"
+    if minute:
+        return cardinal(hour) + (" oh " if minute < 10 else " ") + cardinal(minute)
+    return cardinal(hour) + (" o'clock" if 1 <= hour <= 12 else " hundred")
+
+
+def _zip(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """A postal code after the letters of its state: ``CA 90210``."""
+    return _whole(match, digits(match.group()).replace("zero", "oh"))
+
+
 def _clock(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     hour, minute = int(match["hour"]), int(match["minute"])
     half = (match["half"] or "").lower().replace(".", "")
-    spoken = cardinal(hour)
-    if minute:
-        spoken += (" oh " if minute < 10 else " ") + cardinal(minute)
-    elif not half:
-        spoken += " o'clock" if 1 <= hour <= 12 else " hundred"
+    spoken = cardinal(hour) if half and not minute else _clock_words(hour, minute)
     if match["second"]:
         spoken += f" and {cardinal(int(match['second']))} seconds"
     return _whole(match, spoken + (f" {half[0]}. m." if half else ""))
@@ -231,9 +287,23 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
             r"|[a-z][\w-]*\.(?:com|org|net|edu|gov|io)\b)",
             _address,
         ),
+        "fixed": (rf"(?<![\w./])(?:{_any_of(list(table['fixed']))})(?![\w/]|\.\d|-\w)", _fixed),
+        "lettersandletters": (r"\b[A-Z]{1,3}&[A-Z]{1,3}\b", _letters_and_letters),
+        "daymonthyear": (
+            r"(?<![\d.])(?P<dot_day>0?[1-9]|[12]\d|3[01])\.(?P<dot_month>0?[1-9]|1[0-2])\.(?P<dot_year>\d{4})"
+            r"(?![\d.]\d|\d)",
+            _day_month_year,
+        ),
+        "instant": (
+            r"(?<=\d)T(?P<t_hour>[01]\d|2[0-3]):(?P<t_minute>[0-5]\d)(?::[0-5]\d(?:\.\d{1,9})?)?(?P<zone>Z)?",
+            _instant,
+        ),
+        "netnumber": (r"(?<![\w.])\d{1,3}(?:\.\d{1,3}){2,3}(?![\w]|\.\d)", _net_number),
+        "zip": (r"(?<=\b[A-Z]{2} )\d{5}\b(?!,\d)", _zip),
+        "listed": (r"(?:(?<=\n)|^)[ \t]{0,9}\(?(?P<item>[ivxIVX]{1,6})(?=[.)][ \t])", _listed),
         "money": (rf"(?P<sign>{currencies})\s?(?P<amount>{_NUMBER})(?:\s?(?P<size>{sizes})\b)?", _money),
         "date": (
-            r"(?P<iso_year>\d{4})-(?P<iso_month>\d\d)-(?P<iso_day>\d\d)\b"
+            r"(?P<iso_year>\d{4})-(?P<iso_month>\d\d)-(?P<iso_day>\d\d)(?=T\d\d:|\b)"
             r"|(?P<us_month>\d\d?)/(?P<us_day>\d\d?)/(?P<us_year>\d{4}|\d\d)\b",
             _date,
         ),
@@ -253,7 +323,7 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
         "mixed": (rf"(?P<units>\d+)\s?(?P<vulgar>[{_VULGAR}])", _mixed),
         "fraction": (r"(?:(?P<whole>\d+)\s)?(?P<top>\d{1,2})/(?P<bottom>[1-9]\d?)\b(?![/\d])", _fraction),
         "ordinal": (r"(?i:(?P<place>\d[\d,]*)(?:st|nd|rd|th))\b", _ordinal),
-        "decade": (r"'?(?P<tens>\d{0,3}0)'?s\b(?<=\d\ds|d's)", _decade),
+        "decade": (r"'?(?P<tens>\d{0,3}0)'?s\b(?<=\d\ds|\d's)", _decade),
         "years": (r"(?P<first_year>1[1-9]\d\d|20\d\d)[-—](?P<last_year>\d{4}|\d\d)\b", _years),
         "range": (r"(?<![\w.-])(?P<low>\d+)[-—](?=(?P<high>\d+)(?!\d|[-—.]\d|[A-Za-z]))", _range),
         "height": (r"(?P<feet>\d)'\s?(?P<inches>\d\d?)(?:\"|'')?", _height),
@@ -261,6 +331,7 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
             rf"(?P<minus>(?<!\w)-)?(?P<measure>{_NUMBER})\s?(?P<unit>{_any_of(list(table['units']))})(?![\w'])",
             _quantity,
         ),
+        "sized": (rf"(?P<how_many>{_NUMBER})(?P<magnitude>k|K|M|B|bn)\b", _sized),
         "number": (rf"(?P<minus_sign>(?<![\w.])-)?(?P<plain>{_NUMBER})", _number),
         "streetorsaint": (r"\bSt\b\.?", _street_or_saint),
         "abbreviation": (rf"(?i:(?<![\w.])(?:{_any_of(list(table['abbreviations']))}))", _abbreviation),
