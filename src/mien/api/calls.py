@@ -18,6 +18,7 @@ from mien.motion.performers import load_performer
 from mien.pipeline.inputs import heard, read_text, sound_of, spoken_recording, spoken_text
 from mien.pipeline.options import (
     DEFAULT_FPS,
+    Effort,
     Emotions,
     Rate,
     layer_of,
@@ -25,6 +26,7 @@ from mien.pipeline.options import (
     score_of,
     score_with_voice,
     split_auto,
+    with_heard_effort,
 )
 from mien.text.script import Script
 
@@ -35,6 +37,7 @@ def say(
     text: str | Path | Script,
     *,
     emotion: Emotions = None,
+    effort: Effort = None,
     voice: str | None = None,
     language: str | Path | None = None,
     fps: Rate = DEFAULT_FPS,
@@ -58,6 +61,9 @@ def say(
         ``"happy"``, ``"happy:0.6"``, ``"happy:0.2@0,0.9@1.5"`` (value at second), ``"angry[0.5-1.2]:0.8"`` (from second
         to second), ``"sad:curve.csv"``; several blend into one another. ``"parameters.csv"`` alone is a file of MPEG-4
         expression parameters (`mien.text.expression_parameters`).
+    effort : float, str, EffortCurve, EffortSpan or None
+        How hard the words are articulated, 0 to 2 (1: as recorded): ``1.4``, ``"0.5@0,1.6@2"`` (value at second),
+        ``"curve.csv"`` (``docs/effort.md``). None: 1, and what the emotions have of their own; ``"off"``: 1.
     voice : str or None
         Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
     language : str, Path or None
@@ -100,8 +106,10 @@ def say(
 
     if split_auto(emotion)[1]:
         raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
+    if isinstance(effort, str) and effort.strip().lower() == "auto":
+        raise InputError("'auto' reads the effort from a recorded voice; a synthetic one has none: give 0 to 2")
     layer = layer_of(edits)
-    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive)
+    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive, effort)
     spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
@@ -113,6 +121,7 @@ def animate(
     language: str | Path | None = None,
     song: bool = False,
     emotion: Emotions = None,
+    effort: Effort = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
     performer: Performer | str | Path = "default",
@@ -139,6 +148,8 @@ def animate(
     emotion
         As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
         (``docs/emotion.md``), neutral where it is not sure.
+    effort
+        As for `say`; None and ``"auto"`` read it from the voice's level, spectrum and pitch.
     fps, seed, performer, speech_model, prosody, alive, commands, edits
         As for `say`.
 
@@ -151,7 +162,7 @@ def animate(
 
     emotion, from_voice = split_auto(emotion)
     layer = layer_of(edits)
-    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive)
+    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive, effort)
     notes: tuple[Note, ...] = ()
     if from_voice:
         audio, read = sound_of(audio)
@@ -159,6 +170,7 @@ def animate(
         performer.expression.check(score)
         notes = (*read, note)
     spoken = spoken_recording(audio, performer, text=text, language=language, song=song, commands=commands, notes=notes)
+    score, spoken = with_heard_effort(score, spoken)
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
 

@@ -203,6 +203,12 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "for mien animate also auto: what the voice sounds like, docs/emotion.md",
     )
     parser.add_argument(
+        "--effort",
+        metavar="0..2|auto|off",
+        help="how hard the words are articulated, 1 as recorded: 1.4, 0.5@0,1.6@2 (value at second) or curve.csv; mien "
+        "animate reads it from the voice (auto) unless it is given or off; docs/effort.md",
+    )
+    parser.add_argument(
         "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
     )
     parser.add_argument("--edits", metavar="X.json", help="edits by hand, laid on the performance (docs/edits.md)")
@@ -256,8 +262,8 @@ def _animate(options: argparse.Namespace) -> int:
 
 def _asked(options: argparse.Namespace) -> dict[str, Any]:
     """What say and animate share."""
-    names = ("language", "emotion", "fps", "seed", "performer", "speech_model", "prosody", "alive", "commands", "edits")
-    return {name: getattr(options, name) for name in names}
+    names = ("language", "emotion", "effort", "fps", "seed", "performer", "speech_model", "prosody", "alive")
+    return {name: getattr(options, name) for name in (*names, "commands", "edits")}
 
 
 def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> ShownFace:

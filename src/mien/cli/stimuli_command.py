@@ -21,7 +21,7 @@ def add_commands(commands: Any) -> None:
     stimuli.set_defaults(run=_stimuli)
     batch = commands.add_parser("batch", help="say every line of a text file")
     batch.add_argument("lines", metavar="LINES.txt", help="one text for each line; tags as in docs/script.md")
-    for name in ("voice", "emotion", "fps", "performer", "face"):
+    for name in ("voice", "emotion", "effort", "fps", "performer", "face"):
         batch.add_argument(f"--{name}", default="", help=f"{name} of all lines, as for mien say")
     batch.add_argument("--seed", type=int, default=0, help="seed of all lines (default 0)")
     batch.add_argument(
@@ -62,7 +62,8 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.text.score import EmotionSpan
 
     lines = read_text(Path(options.lines)).splitlines()
-    chosen = {name: getattr(options, name) for name in ("voice", "fps", "performer", "face") if getattr(options, name)}
+    names = ("voice", "effort", "fps", "performer", "face")
+    chosen = {name: getattr(options, name) for name in names if getattr(options, name)}
     if options.emotion:
         span = EmotionSpan.parse(options.emotion)
         if not isinstance(span.intensity, float) or span.start is not None or span.end is not None:

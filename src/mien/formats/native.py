@@ -26,7 +26,8 @@ from mien.core.timeline import MAX_FPS, FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import Utterance
 from mien.formats.sound_text import ENCODING, decode_audio, encode_audio
-from mien.text.intensity import IntensityCurve
+from mien.text.effort_spans import EffortCurve, EffortSpan
+from mien.text.intensity import Curve, IntensityCurve
 from mien.text.parameter_curves import ParameterCurve
 from mien.text.score import EmotionSpan, Score
 
@@ -89,6 +90,7 @@ def _plain(animation: Animation) -> dict[str, Any]:
         "score": {
             "emotions": [_plain_emotion(span) for span in animation.score.emotions],
             "curves": [vars(curve) for curve in animation.score.curves],
+            "efforts": [vars(span) | {"level": _plain_strength(span.level)} for span in animation.score.efforts],
         },
         "notes": [vars(note) for note in animation.notes],
         "utterance": {
@@ -134,8 +136,11 @@ def _plain_tier(tier: Tier) -> dict[str, Any]:
 
 
 def _plain_emotion(span: EmotionSpan) -> dict[str, Any]:
-    intensity = vars(span.intensity) if isinstance(span.intensity, IntensityCurve) else float(span.intensity)
-    return vars(span) | {"intensity": intensity}
+    return vars(span) | {"intensity": _plain_strength(span.intensity)}
+
+
+def _plain_strength(strength: float | IntensityCurve) -> dict[str, Any] | float:
+    return vars(strength) if isinstance(strength, IntensityCurve) else float(strength)
 
 
 def _plain_markers(markers: MarkerTrack) -> dict[str, Any]:
@@ -302,8 +307,10 @@ def _tier(node: _Node) -> Tier:
 
 def _score(node: _Node) -> Score:
     emotions = tuple(_emotion(span) for span in node.get("emotions").items())
-    written_before = "curves" not in node.value  # files of mien 0.1 have none
-    return Score(emotions, () if written_before else tuple(_curve(curve) for curve in node.get("curves").items()))
+    # files of mien 0.1 may have neither curves nor efforts
+    curves = tuple(_curve(curve) for curve in node.get("curves").items()) if "curves" in node.value else ()
+    efforts = tuple(_effort(span) for span in node.get("efforts").items()) if "efforts" in node.value else ()
+    return Score(emotions, curves, efforts)
 
 
 def _edits(node: _Node, root: _Node) -> AppliedEdits:
@@ -341,17 +348,25 @@ def _curve(node: _Node) -> ParameterCurve:
 
 
 def _emotion(node: _Node) -> EmotionSpan:
-    def time(name: str) -> float | None:
-        return None if node.get(name).value is None else node.get(name).number()
+    strength = _strength(node.get("intensity"), IntensityCurve)
+    return EmotionSpan(node.get("name").text(), strength, _time(node.get("start")), _time(node.get("end")))
 
-    intensity: float | IntensityCurve
-    if isinstance(node.get("intensity").value, dict):
-        curve = node.get("intensity")
-        times, values = (tuple(item.number() for item in curve.get(key).items()) for key in ("times", "values"))
-        intensity = IntensityCurve(times, values, cast(Any, curve.get("interpolation").one_of("smooth", "linear")))
-    else:
-        intensity = node.get("intensity").number()
-    return EmotionSpan(node.get("name").text(), intensity, time("start"), time("end"))
+
+def _effort(node: _Node) -> EffortSpan:
+    source = cast(Any, node.get("source").one_of("asked", "voice", "off"))
+    level = _strength(node.get("level"), EffortCurve)
+    return EffortSpan(level, _time(node.get("start")), _time(node.get("end")), source)
+
+
+def _time(node: _Node) -> float | None:
+    return None if node.value is None else node.number()
+
+
+def _strength(node: _Node, kind: type[Curve]) -> float | Curve:
+    if not isinstance(node.value, dict):
+        return node.number()
+    times, values = (tuple(item.number() for item in node.get(key).items()) for key in ("times", "values"))
+    return kind(times, values, cast(Any, node.get("interpolation").one_of("smooth", "linear")))
 
 
 def _notes(node: _Node) -> tuple[Note, ...]:

@@ -44,6 +44,9 @@ class ExpressionModel(Protocol):
     def check(self, score: Score) -> None:
         """Refuse a score that asks for what the model does not have."""
 
+    def effort(self, score: Score, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How hard the emotions asked for let the words be articulated, shape (times,); 1 as recorded."""
+
     def notes(self, score: Score) -> tuple[Note, ...]:
         """What should be known about the emotions asked for."""
 

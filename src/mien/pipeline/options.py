@@ -13,18 +13,23 @@ from mien.core.errors import InputError, Note
 from mien.core.timeline import FrameRate
 from mien.motion.alive.idle import AuthoredIdle
 from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH, AuthoredProsody
+from mien.motion.effort import DECIBELS
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
+from mien.pipeline.spoken import Spoken
+from mien.text.effort_spans import AS_RECORDED, EffortCurve, EffortSpan, parse_effort
 from mien.text.expression_parameters import read_expression_parameters
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [
-    "DEFAULT_FPS", "Emotions", "Rate", "layer_of", "prepared", "score_of", "score_with_voice", "split_auto",
+    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "efforts_of", "layer_of", "prepared", "score_of",
+    "score_with_voice", "split_auto", "with_heard_effort",
 ]  # fmt: skip
 
 DEFAULT_FPS = 30
 
 Rate = float | str | Fraction | FrameRate
+Effort = float | str | EffortCurve | EffortSpan | None
 Emotions = str | EmotionSpan | Sequence[str | EmotionSpan] | None
 
 
@@ -36,12 +41,13 @@ def prepared(
     prosody: float | str = DEFAULT_STRENGTH,
     speech_model: str | None = None,
     alive: str = "all",
+    effort: Effort = None,
 ) -> tuple[Performer, Score, FrameRate]:
     """Performer, direction for the whole and frame rate; every option is checked before any long work begins.
 
     Parameters
     ----------
-    performer, emotion, fps, seed, prosody, speech_model, alive
+    performer, emotion, fps, seed, prosody, speech_model, alive, effort
         As for `mien.say`.
 
     Raises
@@ -51,7 +57,7 @@ def prepared(
     """
     if seed < 0:
         raise InputError(f"a seed is a whole number, 0 or more, not {seed}")
-    rate, score = FrameRate.of(fps), score_of(emotion)
+    rate, score = FrameRate.of(fps), replace(score_of(emotion), efforts=efforts_of(effort))
     if not isinstance(performer, Performer):
         performer = load_performer(performer, speech_model)
     elif speech_model is not None:
@@ -97,6 +103,30 @@ def _spans(asked: str | EmotionSpan) -> tuple[EmotionSpan, ...]:
     return (EmotionSpan.parse(asked),)
 
 
+def efforts_of(effort: Effort) -> tuple[EffortSpan, ...]:
+    """The effort that is asked for; nothing for None and ``"auto"``, which leave it to emotions and voice.
+
+    Raises
+    ------
+    InputError
+        If it is no effort.
+
+    Examples
+    --------
+    >>> efforts_of("1.4")
+    (EffortSpan(level=1.4, start=None, end=None, source='asked'),)
+    """
+    if effort is None or isinstance(effort, EffortSpan):
+        return () if effort is None else (effort,)
+    if isinstance(effort, str) and effort.strip().lower() in ("auto", "off"):
+        return () if effort.strip().lower() == "auto" else (EffortSpan(AS_RECORDED, source="off"),)
+    if isinstance(effort, str):
+        return (EffortSpan(parse_effort(effort)),)
+    if isinstance(effort, EffortCurve) or (isinstance(effort, (int, float)) and not isinstance(effort, bool)):
+        return (EffortSpan(effort),)
+    raise InputError(f"an effort is 0 to 2, a text such as '0.5@0,1.6@2', 'auto' or 'off', not {effort!r}")
+
+
 def split_auto(emotion: Emotions) -> tuple[Emotions, bool]:
     """What is asked for besides ``"auto"``, and whether that is among it."""
     asked = (emotion,) if isinstance(emotion, str) else emotion
@@ -117,6 +147,23 @@ def score_with_voice(score: Score, audio: Audio) -> tuple[Score, Note]:
     ]
     note = Note("note", "emotion read from the voice: " + (", ".join(told) or "none that is sure, so neutral"))
     return replace(score, emotions=(*score.emotions, *spans)), note
+
+
+def with_heard_effort(score: Score, spoken: Spoken) -> tuple[Score, Spoken]:
+    """The effort that is read from a recorded voice, under what the score asks for, and a note on what was read.
+
+    Nothing is read where the score has an effort already, nobody speaks, or somebody sings (`mien.pipeline`: a song has
+    its own way of opening the mouth).
+    """
+    from mien.speech.vocal_effort import read_effort
+
+    utterance = spoken.utterance
+    if score.efforts or utterance.sung or utterance.timing == "none":
+        return score, spoken
+    read = read_effort(utterance.audio, DECIBELS)
+    span = EffortSpan(EffortCurve(read.times, read.levels, "linear"), source="voice")
+    heard = replace(spoken, utterance=utterance.with_notes(Note("note", read.told)))
+    return replace(score, efforts=(span,)), heard
 
 
 def layer_of(edits: EditLayer | str | Path | None) -> EditLayer:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from mien.animation.animation import Animation
 from mien.animation.edits.layer import EMPTY, EditLayer
 from mien.core.timeline import FrameRate
@@ -47,5 +45,5 @@ def directed(spoken: Spoken, score: Score | None) -> tuple[Spoken, Score]:
         spoken = translate(spoken)
     asked = spoken.score
     if score is not None:
-        asked = replace(asked, emotions=score.emotions + asked.emotions, curves=score.curves + asked.curves)
+        asked = Score(score.emotions + asked.emotions, score.curves + asked.curves, score.efforts + asked.efforts)
     return spoken, asked

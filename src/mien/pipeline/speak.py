@@ -18,12 +18,13 @@ from mien.pipeline.spoken import Spoken
 from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.commands import Command, CommandLibrary, shipped_library
+from mien.text.effort_spans import EffortCurve, EffortSpan
 from mien.text.intensity import IntensityCurve
 from mien.text.languages import read_words
 from mien.text.normalisation import SpokenText, spoken_words
 from mien.text.parameter_curves import ParameterCurve
 from mien.text.score import EmotionSpan
-from mien.text.script import DirectedCommand, DirectedCurve, DirectedEmotion, Script, Segment
+from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion, Script, Segment
 from mien.text.sync_points import Moment, plain
 
 __all__ = ["place", "speak", "speak_over"]
@@ -235,7 +236,7 @@ def place(script: Script, joined: Joined, library: CommandLibrary | None = None)
     )
     curves = tuple(_at(item.where, partial(_curve, item, clock)) for item in script.curves)
     utterance = joined.utterance.with_notes(*script.notes, *notes)
-    return Spoken(utterance, _emotions(script.emotions, clock), commands, curves)
+    return Spoken(utterance, _emotions(script.emotions, clock), commands, curves, _efforts(script.efforts, clock))
 
 
 def _at(where: str, job: Callable[[], Result]) -> Result:
@@ -295,11 +296,29 @@ def _emotions(emotions: Sequence[DirectedEmotion], clock: Clock) -> tuple[Emotio
     def strength(emotion: DirectedEmotion) -> float | IntensityCurve:
         if not emotion.keys:
             return emotion.intensity
-        keys = [(moment.resolve(clock.time_of) / 1000, value) for moment, value in emotion.keys]
-        if any(after[0] <= before[0] for before, after in pairwise(keys)):
-            told = ", ".join(f"{value:g} at {at:.3f} s" for at, value in keys)
-            raise InputError(f"emotion {emotion.name!r}: the points of its intensity do not rise in time: {told}")
-        return IntensityCurve(tuple(at for at, _ in keys), tuple(value for _, value in keys))
+        return IntensityCurve(*_rising(emotion.keys, clock, f"emotion {emotion.name!r}: the points of its intensity"))
 
     spans = [EmotionSpan(e.name, strength(e), start=seconds(e.start), end=seconds(e.end)) for e in emotions]
     return tuple(s for s in spans if s.start is None or s.end is None or s.end > s.start)
+
+
+def _efforts(efforts: Sequence[DirectedEffort], clock: Clock) -> tuple[EffortSpan, ...]:
+    spans = []
+    for effort in efforts:
+        start, end = (moment.resolve(clock.time_of) / 1000 for moment in (effort.start, effort.end))
+        if end > start:
+            keys = effort.keys
+            level = EffortCurve(*_rising(keys, clock, "effort: the points of its level")) if keys else effort.level
+            spans.append(EffortSpan(level, start, end))
+    return tuple(spans)
+
+
+def _rising(
+    keys: Sequence[tuple[Moment, float]], clock: Clock, what: str
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Seconds and values of the points of a curve."""
+    placed = [(moment.resolve(clock.time_of) / 1000, value) for moment, value in keys]
+    if any(after[0] <= before[0] for before, after in pairwise(placed)):
+        told = ", ".join(f"{value:g} at {at:.3f} s" for at, value in placed)
+        raise InputError(f"{what} do not rise in time: {told}")
+    return tuple(at for at, _ in placed), tuple(value for _, value in placed)

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,15 @@ from mien.core.errors import InputError
 from mien.text.sync_points import Moment
 
 __all__ = [
+    "Curve",
     "IntensityCurve",
     "SpanPoint",
+    "checked",
     "checked_intensity",
     "parse_intensity",
     "parse_span_intensity",
+    "parse_span_values",
+    "parse_values",
     "read_intensity",
 ]
 
@@ -57,30 +61,36 @@ class IntensityCurve:
     times: tuple[float, ...]
     values: tuple[float, ...]
     interpolation: Literal["smooth", "linear"] = "smooth"
+    highest: ClassVar[float] = 1.0
+    what: ClassVar[str] = "intensity"
 
     def __post_init__(self) -> None:
         if not self.times or len(self.times) != len(self.values):
             raise InputError(
-                f"an intensity curve has a value for each of its times, not {len(self.times)} and {len(self.values)}"
+                f"an {self.what} curve has a value for each of its times, not {len(self.times)} and {len(self.values)}"
             )
         if self.interpolation not in ("smooth", "linear"):
-            raise InputError(f"an intensity curve is 'smooth' or 'linear', not {self.interpolation!r}")
+            raise InputError(f"an {self.what} curve is 'smooth' or 'linear', not {self.interpolation!r}")
         if not all(math.isfinite(time) for time in self.times):
-            raise InputError("an intensity curve has a time that is not a finite number")
+            raise InputError(f"an {self.what} curve has a time that is not a finite number")
         for before, after in pairwise(self.times):
             if after <= before:
-                raise InputError(f"times of an intensity curve rise: {after:g} s does not come after {before:g} s")
+                raise InputError(f"times of an {self.what} curve rise: {after:g} s does not come after {before:g} s")
         for value in self.values:
-            checked_intensity(value)
+            checked(value, type(self))
 
     def at(self, seconds: Floats) -> Floats:
-        """Intensities at instants, shape (times,)."""
+        """Values at instants, shape (times,)."""
         inside = np.clip(np.asarray(seconds, dtype=np.float64), self.times[0], self.times[-1])
         if self.interpolation == "linear" or len(self.times) < 3:
             return np.asarray(np.interp(inside, self.times, self.values), dtype=np.float64)
         from scipy.interpolate import PchipInterpolator
 
-        return np.asarray(np.clip(PchipInterpolator(self.times, self.values)(inside), 0.0, 1.0), dtype=np.float64)
+        found = PchipInterpolator(self.times, self.values)(inside)
+        return np.asarray(np.clip(found, 0.0, self.highest), dtype=np.float64)
+
+
+Curve = TypeVar("Curve", bound=IntensityCurve)
 
 
 def checked_intensity(value: float, where: str = "") -> float:
@@ -91,9 +101,20 @@ def checked_intensity(value: float, where: str = "") -> float:
     InputError
         If not; per cent are recognised.
     """
-    if not 0.0 <= value <= 1.0:
-        guess = f": did you mean {value / 100:g}?" if 1 < value <= 100 else ""
-        raise InputError(f"{where}an intensity runs from 0 to 1, not {value:g}{guess}")
+    return checked(value, IntensityCurve, where)
+
+
+def checked(value: float, kind: type[IntensityCurve], where: str = "") -> float:
+    """The same value, if a kind of curve may have it.
+
+    Raises
+    ------
+    InputError
+        If not; per cent are recognised.
+    """
+    if not 0.0 <= value <= kind.highest:
+        guess = f": did you mean {value / 100:g}?" if kind.highest < value <= 100 * kind.highest else ""
+        raise InputError(f"{where}an {kind.what} runs from 0 to {kind.highest:g}, not {value:g}{guess}")
     return float(value)
 
 
@@ -110,20 +131,31 @@ def parse_intensity(text: str) -> float | IntensityCurve:
     >>> parse_intensity("0.2@0, 0.9@1.5").values
     (0.2, 0.9)
     """
+    return parse_values(text, IntensityCurve)
+
+
+def parse_values(text: str, kind: type[Curve]) -> float | Curve:
+    """Read a number, key points (value at second) or a ``.csv`` file as values of a kind of curve.
+
+    Raises
+    ------
+    InputError
+        If it is none of these, or out of range.
+    """
     if text.strip().lower().endswith(".csv"):
-        return read_intensity(text.strip())
+        return _read_values(text.strip(), kind)
     try:
         if "@" not in text:
-            return checked_intensity(float(text))
+            return checked(float(text), kind)
         points = [tuple(map(float, point.split("@"))) for point in text.split(",")]
         if any(len(point) != 2 for point in points):
             raise ValueError("a point is VALUE@SECOND")
     except ValueError as problem:
         raise InputError(
-            f"an intensity is a number from 0 to 1, points such as 0.2@0,0.9@1.5 (value at second), or a .csv file, "
-            f"not {text!r}"
+            f"an {kind.what} is a number from 0 to {kind.highest:g}, points such as 0.2@0,0.9@1.5 (value at second), "
+            f"or a .csv file, not {text!r}"
         ) from problem
-    return IntensityCurve(tuple(point[1] for point in points), tuple(point[0] for point in points))
+    return kind(tuple(point[1] for point in points), tuple(point[0] for point in points))
 
 
 @dataclass(frozen=True)
@@ -133,7 +165,7 @@ class SpanPoint:
     Attributes
     ----------
     value : float
-        0 to 1.
+        0 to 1; of an effort to 2.
     place : float
         Seconds after the start of the span, or its share of the span.
     is_share : bool
@@ -166,29 +198,40 @@ def parse_span_intensity(text: str) -> float | tuple[SpanPoint, ...]:
     >>> parse_span_intensity("0.2@0%,0.9@100%")[1]
     SpanPoint(value=0.9, place=1.0, is_share=True)
     """
+    return parse_span_values(text, IntensityCurve)
+
+
+def parse_span_values(text: str, kind: type[IntensityCurve]) -> float | tuple[SpanPoint, ...]:
+    """As `parse_span_intensity`, for the values of a kind of curve.
+
+    Raises
+    ------
+    InputError
+        If it is neither, out of range, or the points do not rise.
+    """
     if "@" not in text:
         try:
-            return checked_intensity(float(text))
+            return checked(float(text), kind)
         except ValueError as problem:
             raise InputError(
-                f"intensity is a number from 0 to 1, or points such as 0.2@0,0.9@1.5 (value at second of the tag) or "
-                f"0.2@0%,0.9@100%, not {text!r}"
+                f"{kind.what} is a number from 0 to {kind.highest:g}, or points such as 0.2@0,0.9@1.5 (value at second "
+                f"of the tag) or 0.2@0%,0.9@100%, not {text!r}"
             ) from problem
     points: list[SpanPoint] = []
     for part in text.split(","):
         found = _POINT.fullmatch(part)
         if found is None or not _is_number(found["value"]):
             raise InputError(
-                f"a point of an intensity is VALUE@SECOND or VALUE@PERCENT% of the tag, such as 0.9@1.5 or 0.9@50%, "
+                f"a point of an {kind.what} is VALUE@SECOND or VALUE@PERCENT% of the tag, such as 0.9@1.5 or 0.9@50%, "
                 f"not {part.strip()!r}"
             )
         share = found["unit"] == "%"
         place = float(found["place"]) / (100 if share else 1)
         if share and place > 1:
-            raise InputError(f"a point of an intensity lies between 0% and 100% of its tag, not at {100 * place:g}%")
-        points.append(SpanPoint(checked_intensity(float(found["value"])), place, share))
+            raise InputError(f"a point of an {kind.what} lies between 0% and 100% of its tag, not at {100 * place:g}%")
+        points.append(SpanPoint(checked(float(found["value"]), kind), place, share))
         if len(points) > 1 and points[-2].is_share == share and place <= points[-2].place:
-            raise InputError(f"points of an intensity rise: {part.strip()!r} does not come after the one before it")
+            raise InputError(f"points of an {kind.what} rise: {part.strip()!r} does not come after the one before it")
     return tuple(points)
 
 
@@ -202,13 +245,17 @@ def read_intensity(path: str | Path) -> IntensityCurve:
     InputError
         If the file is missing or a line is not two numbers; the message names the line.
     """
+    return _read_values(path, IntensityCurve)
+
+
+def _read_values(path: str | Path, kind: type[Curve]) -> Curve:
     path = Path(path)
     try:
         lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except OSError as problem:
         raise InputError(f"cannot read {path}: {problem.strerror}") from problem
     except (UnicodeDecodeError, csv.Error) as problem:
-        raise InputError(f"{path} is not a CSV of seconds and intensities: {problem}") from problem
+        raise InputError(f"{path} is not a CSV of two columns, seconds and {kind.what}: {problem}") from problem
     times: list[float] = []
     values: list[float] = []
     for number, line in enumerate(lines, start=1):
@@ -216,14 +263,14 @@ def read_intensity(path: str | Path) -> IntensityCurve:
         if not cells or cells[0].startswith("#") or (not times and not _is_number(cells[0])):
             continue
         if len(cells) != 2 or not all(map(_is_number, cells)):
-            raise InputError(f"{path}, line {number}: expected seconds and an intensity, got {','.join(line)[:60]!r}")
+            raise InputError(f"{path}, line {number}: expected seconds and an {kind.what}, got {','.join(line)[:60]!r}")
         if times and float(cells[0]) <= times[-1]:
             raise InputError(f"{path}, line {number}: {cells[0]} s does not come after {times[-1]:g} s")
         times.append(float(cells[0]))
-        values.append(checked_intensity(float(cells[1]), f"{path}, line {number}: "))
+        values.append(checked(float(cells[1]), kind, f"{path}, line {number}: "))
     if not times:
-        raise InputError(f"{path}: expected lines of seconds and an intensity, found none")
-    return IntensityCurve(tuple(times), tuple(values), "linear")
+        raise InputError(f"{path}: expected lines of seconds and an {kind.what}, found none")
+    return kind(tuple(times), tuple(values), "linear")
 
 
 def _is_number(cell: str) -> bool:

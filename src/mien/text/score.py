@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.text.effort_spans import EffortSpan
 from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
 from mien.text.parameter_curves import ParameterCurve
 
@@ -93,10 +94,14 @@ class Score:
     emotions : tuple of EmotionSpan
     curves : tuple of ParameterCurve
         Face parameters over time, as commands and scripts ask for them; laid over the rest of the motion.
+    efforts : tuple of EffortSpan
+        How hard the words are articulated; a later one takes the place of earlier ones where it stands. Empty: as
+        recorded, and as the emotions ask (docs/effort.md).
     """
 
     emotions: tuple[EmotionSpan, ...] = ()
     curves: tuple[ParameterCurve, ...] = ()
+    efforts: tuple[EffortSpan, ...] = ()
 
 
 UNDIRECTED = Score()

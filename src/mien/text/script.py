@@ -11,7 +11,10 @@ from mien.core.errors import Note
 from mien.text.commands import Command
 from mien.text.sync_points import Moment
 
-__all__ = ["DirectedCommand", "DirectedCurve", "DirectedEmotion", "Point", "Prosody", "Script", "Segment", "Spelling"]
+__all__ = [
+    "DirectedCommand", "DirectedCurve", "DirectedEffort", "DirectedEmotion", "Point", "Prosody", "Script", "Segment",
+    "Spelling",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,25 @@ class DirectedEmotion:
 
 
 @dataclass(frozen=True)
+class DirectedEffort:
+    """How hard somebody articulates between two moments (docs/effort.md).
+
+    Attributes
+    ----------
+    level : float
+        0 to 2, 1 as recorded; held, where there are no keys.
+    start, end : Moment
+    keys : tuple of (Moment, float)
+        When it is how great, if that changes.
+    """
+
+    level: float
+    start: Moment
+    end: Moment
+    keys: tuple[tuple[Moment, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class DirectedCommand:
     """A command and when: ``until`` sets its parameter ``end`` (or ``duration``) to what lies between."""
 
@@ -133,6 +155,7 @@ class Script:
     voice: str | None = None
     language: str | None = None
     notes: tuple[Note, ...] = ()
+    efforts: tuple[DirectedEffort, ...] = ()
 
     @property
     def text(self) -> str:

@@ -10,7 +10,17 @@ from difflib import get_close_matches
 from mien.core.errors import InputError, Note, unknown_name
 from mien.text.commands import Command, CommandLibrary
 from mien.text.intensity import SpanPoint
-from mien.text.script import DirectedCommand, DirectedCurve, DirectedEmotion, Point, Prosody, Script, Segment, Spelling
+from mien.text.script import (
+    DirectedCommand,
+    DirectedCurve,
+    DirectedEffort,
+    DirectedEmotion,
+    Point,
+    Prosody,
+    Script,
+    Segment,
+    Spelling,
+)
 from mien.text.sync_points import Moment
 from mien.text.tags import Event, unknown_tag
 
@@ -19,7 +29,7 @@ __all__ = ["SILENT", "Builder", "Element", "OpenEmotion", "Opened"]
 SILENT = ("metadata", "meta", "lexicon", "desc")
 """Elements whose text is not spoken."""
 
-PLACED = ("emotion", "gaze", "mark", "curve", "pose")
+PLACED = ("emotion", "effort", "gaze", "mark", "curve", "pose")
 """Elements, besides commands, that have a place between pauses."""
 
 
@@ -72,6 +82,7 @@ class Builder:
         self.opened: list[Opened] = []
         self.emotions: list[OpenEmotion] = []
         self.done_emotions: list[DirectedEmotion] = []
+        self.efforts: list[DirectedEffort] = []
         self.prosody: list[Prosody] = []
         self.commands: list[DirectedCommand] = []
         self.curves: list[DirectedCurve] = []
@@ -123,6 +134,7 @@ class Builder:
             self.script_voice,
             self.language,
             tuple(Note("note", message) for message in dict.fromkeys(self.notes)),
+            tuple(self.efforts),
         )
         _check_points(script, self.source)
         return script

@@ -11,11 +11,12 @@ from importlib.resources import files
 
 from mien.core.errors import InputError, unknown_name
 from mien.text.commands import Command
+from mien.text.effort_spans import AS_RECORDED, EffortCurve
 from mien.text.face_parameters import face_parameter
-from mien.text.intensity import parse_span_intensity
+from mien.text.intensity import parse_span_intensity, parse_span_values
 from mien.text.parameter_curves import INTERPOLATIONS, MODES
 from mien.text.parameter_values import Given, needed, number, only
-from mien.text.script import DirectedCommand, DirectedCurve, DirectedEmotion
+from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion
 from mien.text.script_builder import Builder, OpenEmotion
 from mien.text.sync_points import Moment, clock
 from mien.text.vocal_elements import VOCAL_ELEMENTS
@@ -66,6 +67,22 @@ def _interrupt(builder: Builder, here: Moment) -> None:
         outer = builder.emotions[-1]
         outer.pieces.append(len(builder.done_emotions))
         builder.done_emotions.append(DirectedEmotion(outer.name, outer.intensity, outer.goes_on, here))
+
+
+def _effort(builder: Builder, given: Given) -> None:
+    """How hard what it holds is articulated; the innermost counts."""
+    only(given, "level")
+    level = parse_span_values(needed(given, "level"), EffortCurve)
+    start, place = builder.point(), len(builder.efforts)
+    held = AS_RECORDED if isinstance(level, tuple) else level
+    builder.efforts.append(DirectedEffort(held, start, start))
+
+    def close() -> None:
+        end = builder.point(after=True)
+        keys = tuple((point.moment(start, end), point.value) for point in level) if isinstance(level, tuple) else ()
+        builder.efforts[place] = DirectedEffort(held, start, end, keys)
+
+    builder.opened[-1].close = close
 
 
 def _pause(builder: Builder, given: Given) -> None:
@@ -204,6 +221,7 @@ ELEMENTS: dict[str, Callable[[Builder, Given], None]] = {
     "script": _root,
     "speak": _root,
     "emotion": _emotion,
+    "effort": _effort,
     "pause": _pause,
     "break": _pause,
     "mark": _mark,

@@ -13,6 +13,7 @@ from typing import Any
 
 from mien.api.stimuli.framing import background_colour, check_crop
 from mien.core.errors import InputError, unknown_name
+from mien.text.effort_spans import parse_effort
 
 __all__ = ["COLUMNS", "Stimulus", "read_design"]
 
@@ -31,6 +32,8 @@ class Stimulus:
         What is heard instead (a McGurk pair); empty: the same.
     emotion, intensity
         As for `mien.say`.
+    effort : str
+        How hard it articulates, as for `mien.say`; empty: as the emotion has it.
     offset_ms : float
         Sound after (> 0) or before (< 0) the picture.
     rate : float
@@ -53,6 +56,7 @@ class Stimulus:
     voice: str = ""
     emotion: str = ""
     intensity: float = 1.0
+    effort: str = ""
     offset_ms: float = 0.0
     rate: float = 1.0
     au: str = ""
@@ -191,5 +195,7 @@ def _check(stimulus: Stimulus) -> None:
     for right, message in checks:
         if not right:
             raise InputError(message)
+    if stimulus.effort not in ("", "off"):
+        parse_effort(stimulus.effort)
     check_crop(stimulus.crop)
     background_colour(stimulus.background)

@@ -22,13 +22,14 @@ def performed(stimulus: Stimulus) -> tuple[Animation, Animation]:
     from mien.api import calls as api
 
     options = {"voice": stimulus.voice or None, "fps": stimulus.fps, "seed": stimulus.seed}
+    effort = stimulus.effort or None
     emotion = f"{stimulus.emotion}:{stimulus.intensity!r}" if stimulus.emotion else None
 
     def say(text: str, before: float, after: float) -> Animation:
         lead = f'<pause ms="{before}"/>' if before else ""
         tail = f'<pause ms="{after}"/>' if after else ""
         spoken = f"{lead}{_directed(stimulus, text)}{tail}"
-        return api.say(spoken, emotion=emotion, performer=stimulus.performer, **options)  # type: ignore[arg-type]
+        return api.say(spoken, emotion=emotion, effort=effort, performer=stimulus.performer, **options)  # type: ignore[arg-type]
 
     shift = stimulus.offset_ms
     before = _EDGE + -shift if shift < 0 else 0.0

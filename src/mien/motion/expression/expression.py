@@ -7,7 +7,7 @@ is left below one is neutral: a face at rest is not a still face.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,8 @@ class Expression:
         Share of each channel that remains while the lips must be shut.
     authored : collection of str
         Emotions whose motion was authored rather than recorded; asking for one leaves a note on a recorded performer.
+    efforts : mapping of str to float, optional
+        How hard the words are articulated at full intensity, for emotions where that is not 1 (docs/effort.md).
     """
 
     def __init__(
@@ -48,9 +50,10 @@ class Expression:
         space_of: Callable[[str], ExpressionSpace],
         sealed_share: Floats,
         authored: frozenset[str] = frozenset(),
+        efforts: Mapping[str, float] | None = None,
     ) -> None:
         self.names, self.sealed_share, self.authored = tuple(sorted(names)), sealed_share, authored
-        self.space_of = space_of
+        self.space_of, self.efforts = space_of, dict(efforts or {})
 
     def check(self, score: Score) -> None:
         """Refuse a score that asks for an emotion this performer does not have.
@@ -72,6 +75,11 @@ class Expression:
         return tuple(
             Note("note", f"{name} was not recorded for this performer: its motion is authored") for name in made
         )
+
+    def effort(self, score: Score, times: Floats) -> Floats:
+        """How hard the emotions of a score let the words be articulated, shape (times,); 1 as recorded."""
+        asked = np.array([self.efforts.get(span.name, 1.0) - 1 for span in score.emotions])
+        return np.asarray(1 + asked @ weights_of(score, times)[1:])
 
     def perform(
         self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True

@@ -59,8 +59,9 @@ def authored_expression() -> Expression:
     >>> authored_expression().names
     ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
     """
-    names = tuple(read_table(TABLE)["emotion"])
-    return Expression(names, space_of, sealed_share(), frozenset(names))
+    table = read_table(TABLE)["emotion"]
+    efforts = {name: float(entry["effort"]) for name, entry in table.items() if "effort" in entry}
+    return Expression(tuple(table), space_of, sealed_share(), frozenset(table), efforts)
 
 
 def sealed_share() -> Floats:

@@ -86,7 +86,9 @@ def expression_of(recorded: RecordedExpressions | None) -> Expression:
     names = tuple(sorted({*authored.names, *recorded.space.emotions}))
     own = frozenset(recorded.space.emotions)
 
+    efforts = {name: effort for name, effort in authored.efforts.items() if name not in own}
+
     def space_of(emotion: str) -> ExpressionSpace:
         return recorded.space if emotion in own else authored.space_of(emotion)
 
-    return Expression(names, space_of, authored.sealed_share, frozenset(names) - own)
+    return Expression(names, space_of, authored.sealed_share, frozenset(names) - own, efforts)

@@ -17,10 +17,21 @@ from mien.core.utterance import Utterance
 from mien.formats.sound_text import ENCODING, decode_audio, encode_audio
 from mien.pipeline.spoken import Spoken
 from mien.text.commands import Command, CommandLibrary
-from mien.text.intensity import IntensityCurve
+from mien.text.effort_spans import EffortCurve, EffortSpan
+from mien.text.intensity import Curve, IntensityCurve
 from mien.text.parameter_curves import ParameterCurve
 from mien.text.score import EmotionSpan
-from mien.text.script import DirectedCommand, DirectedCurve, DirectedEmotion, Point, Prosody, Script, Segment, Spelling
+from mien.text.script import (
+    DirectedCommand,
+    DirectedCurve,
+    DirectedEffort,
+    DirectedEmotion,
+    Point,
+    Prosody,
+    Script,
+    Segment,
+    Spelling,
+)
 from mien.text.sync_points import Moment, plain
 
 __all__ = [
@@ -37,6 +48,8 @@ __all__ = [
 ]
 
 Item = TypeVar("Item")
+STRENGTHS = {"emotion": "intensity", "effort": "level"}
+"""Attribute that tells how strong an emotion or an effort is, where that does not change."""
 WHERE = "where"
 """Attribute of a command in a `spoken` message that tells its file and line."""
 
@@ -92,6 +105,11 @@ def script_element(script: Script, number: str) -> Element:
         start, end = (None if moment is None else str(moment) for moment in (emotion.start, emotion.end))
         item = SubElement(root, "emotion", _given(name=emotion.name, intensity=emotion.intensity, from_=start, to=end))
         for moment, value in emotion.keys:
+            SubElement(item, "key", _given(at=str(moment), value=value))
+    for effort in script.efforts:
+        placed = _given(level=effort.level, from_=str(effort.start), to=str(effort.end))
+        item = SubElement(root, "effort", placed)
+        for moment, value in effort.keys:
             SubElement(item, "key", _given(at=str(moment), value=value))
     for directed in script.commands:
         until = None if directed.until is None else str(directed.until)
@@ -174,6 +192,7 @@ def read_script_element(root: Element) -> Script:
         root.get("voice"),
         root.get("language"),
         _read_notes(root),
+        _all(root, "effort", _directed_effort),
     )
 
 
@@ -204,6 +223,12 @@ def _directed_emotion(item: Element) -> DirectedEmotion:
     fields = _Fields(item)
     name, intensity = fields.text("name"), fields.number("intensity", 1.0)
     return DirectedEmotion(name, intensity, fields.moment("from"), fields.moment("to"), _moments(item))
+
+
+def _directed_effort(item: Element) -> DirectedEffort:
+    fields = _Fields(item)
+    start, end = Moment.parse(fields.text("from")), Moment.parse(fields.text("to"))
+    return DirectedEffort(fields.number("level"), start, end, _moments(item))
 
 
 def _moments(item: Element) -> tuple[tuple[Moment, float], ...]:
@@ -250,7 +275,10 @@ def spoken_element(spoken: Spoken, number: str) -> Element:
     for shape in speech.shapes:
         SubElement(root, "shape").text = " ".join(shape)
     for emotion in spoken.emotions:
-        root.append(_emotion_element(emotion))
+        root.append(_span_element("emotion", emotion, emotion.intensity, name=emotion.name))
+    for effort in spoken.efforts:
+        source = None if effort.source == "asked" else effort.source
+        root.append(_span_element("effort", effort, effort.level, source=source))
     group = SubElement(root, "commands")
     for command in spoken.commands:
         SubElement(group, command.name, command.given | ({WHERE: command.where} if command.where else {}))
@@ -260,13 +288,16 @@ def spoken_element(spoken: Spoken, number: str) -> Element:
     return root
 
 
-def _emotion_element(emotion: EmotionSpan) -> Element:
-    """An emotion in seconds; an intensity that changes as keys."""
-    given, curve = _given(name=emotion.name, start=emotion.start, end=emotion.end), emotion.intensity
-    if not isinstance(curve, IntensityCurve):
-        return Element("emotion", given | _given(intensity=curve))
-    root = Element("emotion", given | ({} if curve.interpolation == "smooth" else {"interp": curve.interpolation}))
-    for at, value in zip(curve.times, curve.values, strict=True):
+def _span_element(
+    tag: str, span: EmotionSpan | EffortSpan, strength: float | IntensityCurve, **given: str | None
+) -> Element:
+    """An emotion or an effort in seconds; a strength that changes as keys."""
+    attributes = _given(**given, start=span.start, end=span.end)
+    if not isinstance(strength, IntensityCurve):
+        return Element(tag, attributes | _given(**{STRENGTHS[tag]: strength}))
+    shape = {} if strength.interpolation == "smooth" else {"interp": strength.interpolation}
+    root = Element(tag, attributes | shape)
+    for at, value in zip(strength.times, strength.values, strict=True):
         SubElement(root, "key", _given(at=at, value=value))
     return root
 
@@ -356,7 +387,7 @@ def read_spoken(root: Element) -> Spoken:
     )
     commands = tuple(_spoken_command(item) for item in _group(root, "commands"))
     curves = tuple(read_curve(item) for item in _group(root, "curves"))
-    return Spoken(utterance, _all(root, "emotion", _emotion), commands, curves)
+    return Spoken(utterance, _all(root, "emotion", _emotion), commands, curves, _all(root, "effort", _effort))
 
 
 def _group(root: Element, name: str) -> Iterable[Element]:
@@ -370,14 +401,24 @@ def _spoken_command(item: Element) -> Command:
 
 
 def _emotion(item: Element) -> EmotionSpan:
+    start, end, intensity = _span(item, IntensityCurve)
+    return EmotionSpan(_Fields(item).text("name"), intensity, start=start, end=end)
+
+
+def _effort(item: Element) -> EffortSpan:
+    start, end, level = _span(item, EffortCurve)
+    return EffortSpan(level, start, end, cast(Any, item.get("source", "asked")))
+
+
+def _span(item: Element, kind: type[Curve]) -> tuple[float | None, float | None, float | Curve]:
+    """Start, end and strength of an emotion or an effort."""
     fields = _Fields(item)
     start, end = (fields.number(name) if name in item.attrib else None for name in ("start", "end"))
     keys = [(_Fields(key).number("at"), _Fields(key).number("value")) for key in item.findall("key")]
-    intensity: float | IntensityCurve = fields.number("intensity", 1.0)
-    if keys:
-        between = cast(Any, item.get("interp", "smooth"))
-        intensity = IntensityCurve(tuple(at for at, _ in keys), tuple(value for _, value in keys), between)
-    return EmotionSpan(fields.text("name"), intensity, start=start, end=end)
+    if not keys:
+        return start, end, fields.number(STRENGTHS[item.tag], 1.0)
+    between = cast(Any, item.get("interp", "smooth"))
+    return start, end, kind(tuple(at for at, _ in keys), tuple(value for _, value in keys), between)
 
 
 def _tier(root: Element, name: str, tier: str | None = None) -> Tier:

@@ -14,6 +14,7 @@ from typing import Any
 from mien.core.errors import InputError, unknown_name
 from mien.core.timeline import FrameRate
 from mien.serve.studio.settings import Limits
+from mien.text.effort_spans import parse_effort
 from mien.text.score import EmotionSpan
 
 __all__ = ["FieldError", "TakeRequest"]
@@ -47,6 +48,8 @@ class TakeRequest:
     seed : int
     performer : str
     prosody : float
+    effort : str
+        As for `mien.say` and `mien.animate`, without files; ``"auto"``: of a sound, else as the emotions have it.
     song : bool
         The sound is a song and the text its lyrics.
     """
@@ -60,6 +63,7 @@ class TakeRequest:
     performer: str = "default"
     speech_model: str | None = None
     prosody: float = 0.5
+    effort: str = "auto"
     song: bool = False
 
     @classmethod
@@ -204,6 +208,18 @@ def _prosody(value: Any, limits: Limits) -> float:
     return strength
 
 
+def _effort(value: Any, limits: Limits) -> str:
+    text = str(value)[:2000].strip().lower()
+    if text.endswith(".csv"):
+        raise FieldError("effort", "an effort is 'auto', 'off', a number from 0 to 2 or points such as 0.5@0,1.6@2")
+    if text not in ("auto", "off"):
+        try:
+            parse_effort(text)
+        except InputError as problem:
+            raise FieldError("effort", str(problem)) from problem
+    return text
+
+
 def _song(value: Any, limits: Limits) -> bool:
     truths = {True: True, False: False, "true": True, "false": False, "1": True, "0": False}
     if not isinstance(value, (bool, str)) or value not in truths:
@@ -221,5 +237,6 @@ _READERS = {
     "performer": _performer,
     "speech_model": _speech_model,
     "prosody": _prosody,
+    "effort": _effort,
     "song": _song,
 }

@@ -28,7 +28,7 @@ from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.pipeline.edited_performance import with_edited_channels
 from mien.pipeline.inputs import spoken_recording, spoken_text
-from mien.pipeline.options import prepared, score_with_voice
+from mien.pipeline.options import prepared, score_with_voice, with_heard_effort
 from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
 from mien.serve.studio.jobs import Job, JobPool
@@ -122,7 +122,9 @@ class Workshop:
         performer = self._performer(request)
         emotions = [one for one in request.emotion if one != "auto"]
         try:
-            _, score, rate = prepared(performer, emotions, request.fps, request.seed, request.prosody)
+            _, score, rate = prepared(
+                performer, emotions, request.fps, request.seed, request.prosody, effort=request.effort
+            )
         except InputError as problem:  # all else has been checked
             raise FieldError("emotion", str(problem)) from problem
         performer = replace(performer, prosody=AuthoredProsody(request.prosody))
@@ -136,6 +138,8 @@ class Workshop:
             score, note = score_with_voice(score, source.sound)
             performer.expression.check(score)
             spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
+        if source is not None:
+            score, spoken = with_heard_effort(score, spoken)
         job.at("motion", 0.6)
         spoken, asked = directed(spoken, score)
         basis = Basis(request, source, spoken, asked, performer, rate)

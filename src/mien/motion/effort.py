@@ -1,0 +1,183 @@
+"""How hard somebody articulates, laid on the mouth (docs/effort.md).
+
+With more effort the jaw opens further and the lips move further from the speaker's mean mouth; with less, less far.
+How far for how much is learned from a recorded speaker (`assets/effort/jaw.toml`, made by `tools/learn_effort.py`).
+Lips that must be shut, or on the teeth, stay exactly so: loud speakers close them as quiet ones do (Schulman 1989,
+Journal of the Acoustical Society of America 85: 295-312).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core import channels
+from mien.core.audio import Audio
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.core.tracks import MarkerTrack
+from mien.core.utterance import PAUSE, Utterance
+from mien.motion.mouth.hand_made_mouth import MouthMotion
+from mien.motion.performer import MouthModel
+from mien.text.phones import is_vowel
+
+__all__ = ["DECIBELS", "EffortGains", "MeanMouth", "articulate", "effort_gains", "mean_mouth"]
+
+Floats = NDArray[np.float64]
+
+DECIBELS = 24.0
+"""Decibels of the voice that go with a step of 1 in effort. Hand-made: voices vary by about 30 dB between talking to
+somebody close by and shouting to somebody 190 m away (Andersson, Eriksson, Traunmüller 1996, TMH-QPSR 2: 127-130)."""
+KNEE = 0.7
+"""Weight above which what effort adds to a channel is bent towards 1, which it never reaches. Hand-made."""
+EASE = 0.12
+"""Seconds around speech over which the lips come to their scaled motion. Hand-made."""
+_JAW = [channels.ALL.index(name) for name in ("jawOpen", "mouthClose")]
+_LIPS = [
+    channels.ALL.index(name)
+    for name in channels.MOUTH
+    if name not in (*channels.TONGUE, "tongueOut", "jawOpen", "mouthClose")
+]
+_LINE = (
+    "DH AH N AO R TH W IH N D AH N D DH AH S AH N W ER D IH S P Y UW T IH NG W IH CH AH V DH EH "
+    "M W AA Z DH AH S T R AO NG G ER W EH N AH T R AE V L ER K EY M AH L AO NG R AE P T IH N AH W AO R M K L OW K"
+)
+"""The beginning of "The North Wind and the Sun": what a person's mean mouth is measured on."""
+
+
+@dataclass(frozen=True)
+class EffortGains:
+    """How much further a mouth moves at which effort; 1 at effort 1.
+
+    Attributes
+    ----------
+    efforts : tuple of float
+        Rising, from 0 to 2; linear between.
+    jaw : tuple of float
+        Factor of the jaw's opening.
+    lips : tuple of float
+        Factor of the lips' distance from their mean.
+    """
+
+    efforts: tuple[float, ...]
+    jaw: tuple[float, ...]
+    lips: tuple[float, ...]
+
+    def at(self, effort: Floats) -> tuple[Floats, Floats]:
+        """Factors of jaw and lips, shapes like ``effort``."""
+        return np.interp(effort, self.efforts, self.jaw), np.interp(effort, self.efforts, self.lips)
+
+
+@cache
+def effort_gains() -> EffortGains:
+    """The gains that were learned.
+
+    Examples
+    --------
+    >>> jaw, lips = effort_gains().at(np.array([1.0]))
+    >>> jaw.tolist(), lips.tolist()
+    ([1.0], [1.0])
+    """
+    table = tomllib.loads(files("mien").joinpath("assets", "effort", "jaw.toml").read_text(encoding="utf-8"))
+    return EffortGains(tuple(table["effort"]), tuple(table["jaw"]), tuple(table["lips"]))
+
+
+@dataclass(frozen=True)
+class MeanMouth:
+    """Where somebody's mouth is on average while they speak.
+
+    Attributes
+    ----------
+    values : ndarray, shape (channels,)
+        Weights of `mien.channels.ALL`.
+    markers : ndarray, shape (markers, 3), or None
+        mm, for a mouth that moves markers.
+    """
+
+    values: Floats
+    markers: Floats | None = None
+
+
+_measured: WeakKeyDictionary[MouthModel, MeanMouth] = WeakKeyDictionary()
+
+
+def mean_mouth(mouth: MouthModel) -> MeanMouth:
+    """A person's mean mouth: of a standing line that their model speaks, frames in which the lips are shut left out."""
+    if mouth not in _measured:
+        lengths = np.array([0.11 if is_vowel(phone) else 0.075 for phone in _LINE.split()])
+        ends = 0.3 + np.cumsum(lengths)
+        told = zip(ends, lengths, _LINE.split(), strict=True)
+        spoken = [Interval(float(end - length), float(end), phone) for end, length, phone in told]
+        last = float(ends[-1])
+        phones = Tier("phones", (Interval(0.0, spoken[0].start, PAUSE), *spoken, Interval(last, last + 0.3, PAUSE)))
+        line = Utterance("", Audio.silence(last + 0.3, 16_000), Tier("words", ()), phones, "en-US", "voice")
+        rate = FrameRate.of(30)
+        made = mouth.perform(line, rate)
+        times = rate.times(len(made.values))
+        counted = ((times >= spoken[0].start) & (times < last)) * (1 - made.seal)
+        markers = None if made.markers is None else np.average(made.markers.positions, axis=0, weights=counted)
+        _measured[mouth] = MeanMouth(np.average(made.values, axis=0, weights=counted), markers)
+    return _measured[mouth]
+
+
+def articulate(
+    mouth: MouthMotion, effort: Floats, phones: Tier, rate: FrameRate, mean: MeanMouth, gains: EffortGains | None = None
+) -> MouthMotion:
+    """A mouth's motion with more or less effort.
+
+    Parameters
+    ----------
+    mouth : MouthMotion
+    effort : ndarray, shape (frames,)
+        0 to 2; where it is 1 the motion stays as it is, bit for bit.
+    phones : Tier
+        Between them, in pauses, lips come to rest as ever.
+    rate : FrameRate
+    mean : MeanMouth
+    gains : EffortGains, optional
+        The learned ones if none are given.
+
+    Returns
+    -------
+    MouthMotion
+        Weights in [0, 1]; where ``seal`` is 1 nothing has changed.
+    """
+    jaw, lips = (gains or effort_gains()).at(effort)
+    free = 1 - mouth.seal
+    jaw, lips = 1 + (jaw - 1) * free, 1 + (lips - 1) * free * _speaking(phones, rate.times(len(mouth.values)))
+    values = mouth.values.copy()
+    values[:, _JAW] = _bounded(values[:, _JAW] * jaw[:, None], mouth.values[:, _JAW])
+    moved = mean.values[_LIPS] + (values[:, _LIPS] - mean.values[_LIPS]) * lips[:, None]
+    values[:, _LIPS] = _bounded(moved, mouth.values[:, _LIPS])
+    same = effort == 1
+    values[same] = mouth.values[same]
+    return replace(mouth, values=values, markers=_moved_markers(mouth.markers, lips, mean))
+
+
+def _bounded(wanted: Floats, before: Floats) -> Floats:
+    """Weights not below 0; those that have grown bend towards 1 above `KNEE`."""
+    knee = np.clip(np.maximum(before, KNEE), 0, 1 - 1e-6)
+    bent = knee + (1 - knee) * np.tanh((wanted - knee) / (1 - knee))
+    return np.asarray(np.clip(np.where((wanted > before) & (wanted > knee), bent, wanted), 0, 1))
+
+
+def _speaking(phones: Tier, times: Floats) -> Floats:
+    """1 in speech, 0 in pauses, half a cosine of `EASE` outside the speech, shape (times,)."""
+    away = np.full(len(times), np.inf)
+    for phone in phones:
+        if phone.label != PAUSE:
+            away = np.minimum(away, np.maximum(phone.start - times, times - phone.end))
+    return np.asarray((1 + np.cos(np.pi * np.clip(away / EASE, 0, 1))) / 2)
+
+
+def _moved_markers(markers: MarkerTrack | None, lips: Floats, mean: MeanMouth) -> MarkerTrack | None:
+    """Markers as far from their mean as the lips are from theirs."""
+    if markers is None or mean.markers is None:
+        return markers
+    positions = mean.markers + (markers.positions - mean.markers) * lips[:, None, None]
+    return replace(markers, positions=np.where((lips == 1)[:, None, None], markers.positions, positions))
