@@ -12,9 +12,12 @@ from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
 from mien.face.model import Eye, Face, Material, Part, Target
+from mien.text.effort_spans import EffortCurve, EffortSpan
 from mien.text.score import EmotionSpan, Score
 
 PIVOT = (0.0, -110.0, -60.0)
+
+VOICED = EffortSpan(EffortCurve((0.0, 0.25), (0.9, 1.3), "linear"), source="voice")
 
 
 def ball(centre, radii, rings: int, segments: int):
@@ -97,7 +100,7 @@ def tiny_animation(frames: int = 30, rate: FrameRate | None = None, seed: int = 
         ChannelTrack(ALL, values, rate),
         MarkerTrack(("chin", "brow"), positions, rate),
         speech,
-        Score((EmotionSpan("happy", 0.6, None, half),)),
+        Score((EmotionSpan("happy", 0.6, None, half),), efforts=(EffortSpan(1.4, None, half), VOICED)),
         Provenance("authored", 7, "0.1.0"),
         (Note("warning", "lips pass through each other in frame 3"),),
     )

@@ -58,8 +58,8 @@ def write(level: Floats, growth: Floats, correlation: list[float], everywhere: f
         "# How much further a mouth moves with effort. Learned from FACEGOOD-Audio2Face by",
         "# tools/learn_effort.py (NOTICE); not made by hand.",
         f"# {len(level)} frames of speech, {low:+.1f} to {high:+.1f} dB about their recording's mean (2 to 98 %);",
-        f"# beyond that the line is drawn on. A step of 1 in effort is {DECIBELS:g} dB. Level and jaw, pauses and all: r",
-        f"# {everywhere:.2f}, the mean of the recordings.",
+        f"# beyond that the line is drawn on. A step of 1 in effort is {DECIBELS:g} dB. Level and jaw with pauses:",
+        f"# r {everywhere:.2f}, the mean of the recordings.",
     ]
     tables = [f"effort = [{', '.join(f'{effort:g}' for effort in efforts)}]"]
     for name, grown, r in zip(("jaw", "lips"), growth, correlation, strict=True):

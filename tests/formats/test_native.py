@@ -147,7 +147,7 @@ def test_every_field_is_written():
     known = {
         Animation: {"channels", "markers", "utterance", "score", "provenance", "notes", "edits"},
         Utterance: {"text", "audio", "words", "phones", "language", "timing", "notes", "native", "shapes", "sung"},
-        Score: {"emotions", "curves"},
+        Score: {"emotions", "curves", "efforts"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         EmotionSpan: {"name", "intensity", "start", "end"},
         Provenance: {"performer", "seed", "version"},

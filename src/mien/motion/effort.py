@@ -160,10 +160,10 @@ def articulate(
 
 
 def _bounded(wanted: Floats, before: Floats) -> Floats:
-    """Weights not below 0; those that have grown bend towards 1 above `KNEE`."""
-    knee = np.clip(np.maximum(before, KNEE), 0, 1 - 1e-6)
-    bent = knee + (1 - knee) * np.tanh((wanted - knee) / (1 - knee))
-    return np.asarray(np.clip(np.where((wanted > before) & (wanted > knee), bent, wanted), 0, 1))
+    """Weights not below 0; those that have grown bend towards 1 above `KNEE`, but are not less than before."""
+    bent = KNEE + (1 - KNEE) * np.tanh((wanted - KNEE) / (1 - KNEE))
+    grown = np.maximum(before, np.where(wanted > KNEE, bent, wanted))
+    return np.asarray(np.where(wanted > before, grown, np.maximum(wanted, 0)))
 
 
 def _speaking(phones: Tier, times: Floats) -> Floats:

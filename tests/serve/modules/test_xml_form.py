@@ -29,7 +29,8 @@ TAGGED = """He said: "AT&T\t<3" & <HeadNod count="2"/> then\r\n<emotion name="sa
 <phoneme alphabet="x-arpabet" ph="T AH0 M AA1 T OW0">tomato</phoneme> <prosody rate="fast" pitch="+1st">now</prosody>"""
 CURVED = """<emotion name="happy" intensity="0.2@0,0.9@0.5">one <emotion name="sad" intensity="0@0%,1@33%,0@100%">two
 </emotion> three</emotion>"""
-SCRIPTS = [TAGGED, CURVED, SSML, BML, "Hello."]
+WORKED = """<effort level="1.6">one <effort level="0.3@0%,1@100%">two</effort> three</effort> four"""
+SCRIPTS = [TAGGED, CURVED, WORKED, SSML, BML, "Hello."]
 
 
 @pytest.mark.parametrize("text", SCRIPTS)
@@ -52,25 +53,35 @@ def test_what_was_spoken_reads_back_equal(text: str) -> None:
 
 
 def test_a_curve_of_intensity_reads_back_equal() -> None:
-    from mien.serve.modules.xml_form import _emotion, _emotion_element
+    from mien.serve.modules.xml_form import _emotion, _span_element
     from mien.text.intensity import IntensityCurve
     from mien.text.score import EmotionSpan
 
     for curve in (IntensityCurve((0.1, 1 / 3), (0.2, 0.7)), IntensityCurve((0.0, 1.0), (0.0, 1.0), "linear")):
         span = EmotionSpan("sad", curve, end=2.5)
-        assert _emotion(element_of(one_line(_emotion_element(span)))) == span
+        assert _emotion(element_of(one_line(_span_element("emotion", span, curve, name=span.name)))) == span
+
+
+def test_an_effort_in_time_reads_back_equal() -> None:
+    from mien.serve.modules.xml_form import _effort, _span_element
+    from mien.text.effort_spans import EffortCurve, EffortSpan
+
+    for span in (EffortSpan(1.4, 0.5), EffortSpan(EffortCurve((0.0, 2.0), (0.4, 1.7), "linear"), source="voice")):
+        source = None if span.source == "asked" else span.source
+        assert _effort(element_of(one_line(_span_element("effort", span, span.level, source=source)))) == span
 
 
 def test_every_field_travels() -> None:
     """A field added to one of these types needs a place in the stream: add it there, then here."""
     from mien.core.utterance import Utterance
     from mien.pipeline.spoken import Spoken
+    from mien.text.effort_spans import EffortSpan
     from mien.text.parameter_curves import ParameterCurve
     from mien.text.score import EmotionSpan
-    from mien.text.script import DirectedEmotion, Script, Segment
+    from mien.text.script import DirectedEffort, DirectedEmotion, Script, Segment
 
     known = {
-        Spoken: {"utterance", "emotions", "commands", "curves"},
+        Spoken: {"utterance", "emotions", "commands", "curves", "efforts"},
         Utterance: {
             "text",
             "audio",
@@ -84,10 +95,23 @@ def test_every_field_travels() -> None:
             "sung",
         },
         EmotionSpan: {"name", "intensity", "start", "end"},
+        EffortSpan: {"level", "start", "end", "source"},
+        DirectedEffort: {"level", "start", "end", "keys"},
         DirectedEmotion: {"name", "intensity", "start", "end", "keys"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
         Segment: {"text", "silence", "start", "voice", "spellings"},
-        Script: {"segments", "points", "prosody", "emotions", "commands", "curves", "voice", "language", "notes"},
+        Script: {
+            "segments",
+            "points",
+            "prosody",
+            "emotions",
+            "commands",
+            "curves",
+            "voice",
+            "language",
+            "notes",
+            "efforts",
+        },
     }
     for kind, fields in known.items():
         assert {field.name for field in dataclasses.fields(kind)} == fields, kind
