@@ -66,10 +66,10 @@ def main() -> None:
     enough = sum(ratio >= 1.5 for _, ratio in ratios)
     (ROOT / "docs" / "tables" / "effort.md").write_text(
         "# Effort heard in a voice\n\n"
-        "Written by `python benchmarks/effort.py`. Actors of ravdess-half (even numbers: women) say the same sentence,\n"
-        "neutral and in strong anger; the default performer speaks it, `jawOpen` is its mean over the speech. The levels\n"
-        "differ as shown; the reader of effort does not see them.\n\n"
-        "| actor | levels differ by dB | effort neutral | angry | jawOpen neutral | angry | ratio, effort off | ratio |\n"
+        "Written by `python benchmarks/effort.py`. Actors of ravdess-half (even numbers: women) say one sentence,\n"
+        "neutral and in strong anger; the default performer speaks it, `jawOpen` is its mean over the speech. The\n"
+        "levels differ as shown; the reader of effort does not see them.\n\n"
+        "| actor | levels differ, dB | effort neutral | angry | jawOpen neutral | angry | ratio, off | ratio |\n"
         "| --- | --- | --- | --- | --- | --- | --- | --- |\n"
         + "\n".join(lines)
         + f"\n\nMedian ratio {plain:.2f} without effort, {with_effort:.2f} with it; at least 1.5 in {enough} of "
