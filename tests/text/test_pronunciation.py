@@ -1,11 +1,20 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from mien.core.errors import InputError
 from mien.text.letter_to_sound import phones_of_letters
 from mien.text.phones import phone_table
-from mien.text.pronunciation import dictionary_entries, in_dictionary, pronounce, pronounce_text, pronunciations
+from mien.text.pronunciation import (
+    _dictionary,
+    dictionary_entries,
+    in_dictionary,
+    pronounce,
+    pronounce_text,
+    pronunciations,
+)
 
 
 def test_dictionary_words_come_first_with_their_alternatives() -> None:
@@ -52,3 +61,18 @@ def test_a_word_without_letters_is_refused() -> None:
 
 def test_a_text_comes_back_word_by_word() -> None:
     assert [word for word, _ in pronounce_text("Dr. No has 2 cats")] == ["doctor", "no", "has", "two", "cats"]
+
+
+def test_every_word_of_the_dictionary_is_found_where_it_stands() -> None:
+    import pocketsphinx
+
+    text = Path(pocketsphinx.get_model_path("en-us/cmudict-en-us.dict")).read_text(encoding="utf-8")
+    listed: dict[str, list[str]] = {}
+    for line in text.splitlines():
+        word, _, phones = line.partition(" ")
+        listed.setdefault(word.partition("(")[0], []).append(phones)
+    assert list(listed) == sorted(listed), "words are looked for by halves: they must stand in order"
+    looked = _dictionary()
+    some = [*list(listed)[:5], *list(listed)[::97], *list(listed)[-5:]]
+    assert [looked[word] for word in some] == [listed[word] for word in some]
+    assert [looked[word] for word in ("", "!", "aaaaaaab", "sevenish", "~")] == [[]] * 5

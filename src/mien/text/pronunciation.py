@@ -7,7 +7,9 @@ spoken by rules learned from the dictionary (`mien.text.letter_to_sound`).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache, lru_cache
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
 from mien.core.errors import InputError
@@ -21,19 +23,58 @@ _SIBILANTS = ("S", "Z", "SH", "ZH", "CH", "JH")
 _SHORTEST_PART = 4
 
 
+class _Dictionary:
+    """A dictionary file in the order of its words, read where it is asked: parsed whole it would cost each start."""
+
+    def __init__(self, path: Path) -> None:
+        with path.open("rb") as file:
+            self._text = mmap(file.fileno(), 0, access=ACCESS_READ)
+
+    def entries(self) -> Iterator[tuple[str, str]]:
+        """Headword, with ``(2)`` and on for alternatives, and phones separated by blanks."""
+        return self._from(0)
+
+    def __getitem__(self, word: str) -> list[str]:
+        """The phones of a word and of its alternatives, in the order of the file; none if it is not there."""
+        before, behind = -1, len(self._text)  # a line that starts at or before the first, and where it may not start
+        while behind - before > 1:
+            middle = (before + behind) // 2
+            line = self._text.rfind(b"\n", 0, middle) + 1
+            if self._word_at(line) < word:
+                end = self._text.find(b"\n", middle)
+                before = end if end >= 0 else len(self._text)
+            else:
+                behind = line
+        found = []
+        for headword, phones in self._from(before + 1):
+            if headword.partition("(")[0] != word:
+                break
+            found.append(phones)
+        return found
+
+    def _word_at(self, line: int) -> str:
+        return self._text[line : self._text.find(b" ", line)].decode().partition("(")[0]
+
+    def _from(self, place: int) -> Iterator[tuple[str, str]]:
+        while place < len(self._text):
+            end = self._text.find(b"\n", place)
+            end = end if end >= 0 else len(self._text)
+            word, blank, phones = self._text[place:end].decode().partition(" ")
+            if blank:
+                yield word, phones
+            place = end + 1
+
+
 @cache
-def _dictionary() -> dict[str, str]:
-    """Headword, with ``(2)`` and on for alternatives, to phones parted by blanks: left as text, for speed."""
+def _dictionary() -> _Dictionary:
     import pocketsphinx
 
-    path = Path(pocketsphinx.get_model_path("en-us/cmudict-en-us.dict"))
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return dict(line.split(" ", 1) for line in lines if " " in line)
+    return _Dictionary(Path(pocketsphinx.get_model_path("en-us/cmudict-en-us.dict")))
 
 
 def dictionary_entries() -> list[tuple[str, Pronunciation]]:
     """All headwords with their first pronunciation."""
-    return [(word, tuple(phones.split())) for word, phones in _dictionary().items() if "(" not in word]
+    return [(word, tuple(phones.split())) for word, phones in _dictionary().entries() if "(" not in word]
 
 
 def in_dictionary(word: str) -> bool:
@@ -44,7 +85,7 @@ def in_dictionary(word: str) -> bool:
     >>> in_dictionary("seven"), in_dictionary("sevenish")
     (True, False)
     """
-    return word.lower() in _dictionary()
+    return bool(_listed(word.lower()))
 
 
 def pronounce(word: str) -> Pronunciation:
@@ -104,11 +145,7 @@ def pronounce_text(text: str) -> tuple[tuple[str, Pronunciation], ...]:
 
 
 def _listed(word: str) -> tuple[Pronunciation, ...]:
-    entries = _dictionary()
-    found: list[Pronunciation] = []
-    while (name := word if not found else f"{word}({len(found) + 1})") in entries:
-        found.append(tuple(entries[name].split()))
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(tuple(phones.split()) for phones in _dictionary()[word]))
 
 
 def _by_letters(word: str) -> Pronunciation:
