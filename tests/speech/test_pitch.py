@@ -11,6 +11,7 @@ import pytest
 from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.formats.sound_files import read_audio
+from mien.speech import pitch
 from mien.speech.pitch import QUIETEST, level_contour, pitch_contour
 
 RATE = 16_000
@@ -114,3 +115,14 @@ def test_women_speak_higher_than_men(shared_data: Path) -> None:
         medians[speaker] = np.median([pitch_contour(read_audio(path)[0]).median for path in files])
     assert 80 < medians["03"] < 150
     assert 160 < medians["09"] < 260
+
+
+def test_one_sound_is_listened_to_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    sound, other = voice(150), voice(150)
+    first = pitch_contour(sound)
+    monkeypatch.setattr(pitch, "_detector", lambda: pytest.fail("listened again"))
+    assert pitch_contour(sound) is first
+    with pytest.raises(pytest.fail.Exception):
+        pitch_contour(other)
+    with pytest.raises(pytest.fail.Exception):
+        pitch_contour(sound, lowest=80.0)

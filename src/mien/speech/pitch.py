@@ -6,6 +6,7 @@ folder. It answers differently to a quiet recording than to the same one louder:
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -126,6 +127,20 @@ def pitch_contour(audio: Audio, lowest: float = 60.0, highest: float = 700.0) ->
     """
     if not _LOWEST <= lowest < highest <= _HIGHEST:
         raise InputError(f"pitch is found from {_LOWEST:.1f} to {_HIGHEST:.1f} Hz, not from {lowest:g} to {highest:g}")
+    global _last
+    kept = _last
+    if kept is not None and kept[0]() is audio and kept[1] == (lowest, highest):
+        return kept[2]
+    found = _contour(audio, lowest, highest)
+    _last = (weakref.ref(audio), (lowest, highest), found)
+    return found
+
+
+_last: tuple[weakref.ref[Audio], tuple[float, float], PitchContour] | None = None
+"""The sound that was asked for last: brows and head ask for the same one."""
+
+
+def _contour(audio: Audio, lowest: float, highest: float) -> PitchContour:
     samples = audio.resampled(_RATE).samples
     loudest = float(np.abs(samples).max()) if len(samples) else 0.0
     if loudest == 0.0:
