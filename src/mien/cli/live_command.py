@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import contextlib
 import sys
 from typing import TYPE_CHECKING, Any
@@ -140,6 +139,8 @@ def _run(
             except KeyboardInterrupt:
                 asked_to_end = True
             return asked_to_end
+
+        import asyncio
 
         performed = asyncio.run(
             perform_live(

@@ -11,7 +11,6 @@ import io
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -67,6 +66,16 @@ class _Parser(argparse.ArgumentParser):
         return self._subparsers._group_actions[0]
 
 
+class _Version(argparse.Action):
+    """Looks the version up when it is asked for: loading what knows it takes longer than all else of ``--help``."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"mien {version('mien')}")
+        parser.exit()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code."""
     for stream in (sys.stdout, sys.stderr):
@@ -111,7 +120,7 @@ def _one_line(problem: BaseException) -> str:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="mien", description="Speech or text in, an expressive 3D talking face out.")
-    parser.add_argument("--version", action="version", version=f"mien {version('mien')}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
 
     say = commands.add_parser("say", help="speak a text and perform it")

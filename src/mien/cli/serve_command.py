@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -53,6 +52,8 @@ def _serve(options: argparse.Namespace) -> int:
             print(
                 f"streaming {animation.utterance.duration:.2f} s to {places(options.host, port, outlets)}", flush=True
             )
+
+    import asyncio
 
     played = asyncio.run(stream(animation, outlets, loop=options.loop, wait=options.wait, opened=opened))
     if not options.quiet:

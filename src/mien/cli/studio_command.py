@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import contextlib
 import os
 import signal
@@ -11,6 +10,8 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import asyncio
+
     from mien.serve.studio.settings import StudioSettings
     from mien.serve.studio.workshop import Workshop
 
@@ -35,6 +36,8 @@ def _studio(options: argparse.Namespace) -> int:
     settings = StudioSettings(options.host, options.port, options.token, tuple(options.name))
     workshop = Workshop(settings.limits)
     try:
+        import asyncio
+
         asyncio.run(_serve(settings, workshop, options))
     finally:
         ended = workshop.close()
@@ -46,6 +49,8 @@ def _studio(options: argparse.Namespace) -> int:
 
 
 async def _serve(settings: StudioSettings, workshop: Workshop, options: argparse.Namespace) -> None:
+    import asyncio
+
     from mien.serve.studio.server import running_studio
 
     stop = asyncio.Event()
@@ -61,10 +66,13 @@ async def _serve(settings: StudioSettings, workshop: Workshop, options: argparse
 
 def _stop_on_signals(stop: asyncio.Event) -> None:
     """Let requests to end set an event; where the system has no such handlers they unwind as KeyboardInterrupt."""
+    from asyncio import get_running_loop
+
+    loop = get_running_loop()
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
             with contextlib.suppress(NotImplementedError):
-                asyncio.get_running_loop().add_signal_handler(getattr(signal, name), stop.set)
+                loop.add_signal_handler(getattr(signal, name), stop.set)
 
 
 def _open_browser(address: str) -> None:

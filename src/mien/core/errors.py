@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Literal
 
 __all__ = [
@@ -77,6 +76,8 @@ def unknown_name(what: str, given: str, known: Iterable[str]) -> InputError:
     >>> str(unknown_name("emotion", "hapy", ["happy", "sad"]))
     "unknown emotion 'hapy': did you mean 'happy'? known: happy, sad"
     """
+    from difflib import get_close_matches
+
     names = sorted(known)
     near = get_close_matches(given, names, n=1)
     guess = f" did you mean {near[0]!r}?" if near else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -16,8 +17,9 @@ from mien.core.errors import unknown_name
 __all__ = ["pose_vector", "read_table"]
 
 
+@cache
 def read_table(name: str) -> dict[str, Any]:
-    """One table of ``assets/performance`` as nested dictionaries."""
+    """One table of ``assets/performance`` as nested dictionaries; read once, so leave it as it is."""
     return tomllib.loads(files("mien").joinpath("assets", "performance", name).read_text(encoding="utf-8"))
 
 
