@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mien.core.channels import ALL
 from mien.core.errors import InputError, OutputError
 from mien.corpus.recordings import Corpus
 from mien.metrics.baselines import Cosine
 from mien.metrics.compared_models import contenders
+from mien.metrics.evaluation import CAPTURED, RECORDING, REPETITIONS, Evaluation
 from mien.metrics.plot import draw_trajectories, write_trajectories
-from mien.metrics.protocols import RECORDING, REPETITIONS, Evaluation, evaluate_folds, evaluate_performer, recordings
+from mien.metrics.protocols import evaluate_folds, evaluate_performer, recordings
 from mien.metrics.results_report import markdown, put_section
 from mien.metrics.splits import Fold, named_fold, words_fold
-from tests.metrics.synthetic import MOUTH, corpus, spoken
+from mien.motion.mouth.hand_made_mouth import MouthMotion
+from tests.metrics.synthetic import MOUTH, corpus, keyed_opening, spoken
 
 QUICK = contenders(["mean pose", "cosine", "ridge"])
 
@@ -31,11 +34,50 @@ def random_evaluation(made: Corpus) -> Evaluation:
 
 
 def test_models_are_ranked_as_the_motion_was_made(random_evaluation: Evaluation) -> None:
-    scores = random_evaluation.scores
+    scores = random_evaluation.marker_scores
     assert list(scores) == [RECORDING, REPETITIONS, "mean pose", "cosine", "ridge"]
     assert scores["cosine"]["rms"].value < scores["ridge"]["rms"].value < scores["mean pose"]["rms"].value
     assert scores["cosine"]["opening_r"].value > 0.98
     assert (random_evaluation.takes, random_evaluation.pooled) == (2, False)
+
+
+def test_every_row_is_scored_as_the_face_shows_it(random_evaluation: Evaluation) -> None:
+    scores = random_evaluation.scores
+    assert list(scores) == [RECORDING, CAPTURED, REPETITIONS, "mean pose", "cosine", "ridge"]
+    assert scores[CAPTURED]["opening_r"].value > 0.98
+    assert scores["cosine"]["opening_r"].value > 0.97
+    assert scores["mean pose"]["opening_spread"].value == 0.0
+    assert scores[RECORDING]["median_bilabial"].value < scores[RECORDING]["median_open"].value
+    assert set(random_evaluation.offsets) == {*scores} - {RECORDING}
+
+
+class Moved(Cosine):
+    """A model whose markers are those of the corpus, moved: as if it came from a corpus imported apart."""
+
+    markers_ = MOUTH
+
+    def synthesise(self, phones, times):  # type: ignore[no-untyped-def]
+        return super().synthesise(phones, times) + np.array([0.0, 4.4, 0.0])
+
+
+class Jaw:
+    """A mouth that performs in channels."""
+
+    def perform(self, utterance, rate):  # type: ignore[no-untyped-def]
+        times = rate.times(rate.frames_covering(utterance.duration))
+        values = np.zeros((len(times), len(ALL)))
+        values[:, ALL.index("jawOpen")] = keyed_opening(utterance.phones, times) / 40
+        return MouthMotion(values, np.zeros(len(times)))
+
+
+def test_a_performer_of_a_corpus_imported_apart_is_brought_to_its_reference(made: Corpus) -> None:
+    model = Moved().fit([made.take(name) for name in made.names])
+    evaluation = evaluate_performer("anna", {"jaw": Jaw()}, {"hers": model}, (), made)
+    assert evaluation.marker_scores["hers"]["rms"].value < 0.5
+    assert evaluation.offsets["hers, markers"][""][1] == pytest.approx(4.4, abs=0.05)
+    assert evaluation.scores["jaw"]["opening_r"].value > 0.95
+    assert evaluation.scores["hers"]["opening_r"].value > 0.95
+    assert "hers, markers: the speaker +0.0 +4.4" in markdown(evaluation, "#").replace("-0.0", "+0.0")
 
 
 def test_unseen_words_are_scored_inside_themselves_and_pooled(made: Corpus) -> None:
@@ -79,7 +121,7 @@ def test_a_performer_of_another_layout_is_refused(made: Corpus) -> None:
     model = Finished().fit([made.take("take00")])
     model.markers_ = MOUTH[1:]
     with pytest.raises(InputError, match=rf"anna does not move 1 of the mouth markers .* such as {MOUTH[0]}"):
-        evaluate_performer("anna", {"hers": model}, (), made)
+        evaluate_performer("anna", {}, {"hers": model}, (), made)
 
 
 def test_a_performer_is_refused_the_takes_it_was_learned_from(made: Corpus, tmp_path: Path) -> None:
@@ -87,17 +129,17 @@ def test_a_performer_is_refused_the_takes_it_was_learned_from(made: Corpus, tmp_
     model = Finished().fit([r.take for r in ready.values()])
     digests = {made.identity("take04")}
     with pytest.raises(InputError, match=r"anna was learned from takes of .*: take04; score it on takes"):
-        evaluate_performer("anna", {"hers": model}, digests, made)
+        evaluate_performer("anna", {}, {"hers": model}, digests, made)
     other = Corpus.create(tmp_path / "other", {"layout": "mediapipe-218"})
     other.add(spoken("new", ("ma", "tea"), noise=0.05, seed=99))
-    evaluation = evaluate_performer("anna", {"hers": model}, digests, other)
-    assert evaluation.scores["hers"]["opening_r"].value > 0.98
+    evaluation = evaluate_performer("anna", {}, {"hers": model}, digests, other)
+    assert evaluation.marker_scores["hers"]["opening_r"].value > 0.98
     renamed = Corpus.create(tmp_path / "renamed", {"layout": "mediapipe-218"})
     take = made.take("take04")
     object.__setattr__(take, "name", "innocent")
     renamed.add(take)
     with pytest.raises(InputError, match="innocent"):
-        evaluate_performer("anna", {"hers": model}, digests, renamed)
+        evaluate_performer("anna", {}, {"hers": model}, digests, renamed)
 
 
 def test_takes_that_cannot_be_scored_are_left_out_and_told(tmp_path: Path) -> None:
@@ -117,12 +159,13 @@ def test_takes_that_cannot_be_scored_are_left_out_and_told(tmp_path: Path) -> No
 def test_the_table_names_rows_units_and_what_cannot_be_told(random_evaluation: Evaluation) -> None:
     text = markdown(random_evaluation, "### Unseen takes")
     rows = [line for line in text.splitlines() if line.startswith("| mean pose |")]
-    assert rows[0].split(" | ")[2] == "–"
+    assert rows[0].split(" | ")[1] == "–"
     assert "| model | RMS (mm) | opening r |" in text
+    assert text.index("As the default face shows it") < text.index("On markers")
     assert "Learned from 14 takes, scored on 2." in text
     own = random_evaluation.scores[RECORDING]["closure_f1"].value
     asked = f"Closures: {random_evaluation.bilabials} bilabials asked for"
-    assert f"{asked}; F1 as a share of the recording's own ({own:.2f}): other repetitions " in text
+    assert f"{asked}; F1 as a share of the recording's own ({own:.2f}): recording, captured " in text
 
 
 def test_a_section_is_replaced_in_place_and_the_rest_is_kept(tmp_path: Path) -> None:

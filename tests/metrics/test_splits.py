@@ -10,6 +10,7 @@ from mien.metrics.splits import (
     PARTS,
     Fold,
     check_words,
+    hardest_words,
     named_fold,
     random_folds,
     read_list,
@@ -97,3 +98,17 @@ def test_splits_that_leave_nothing_are_refused() -> None:
     for folds in (0, PARTS + 1):
         with pytest.raises(InputError, match="from 1 to 8"):
             random_folds(takes(16), folds, np.random.default_rng(0))
+
+
+def test_the_hardest_words_are_those_of_which_nothing_is_said_elsewhere() -> None:
+    vocabulary = [("tea", "ma"), ("me", "ma"), ("me", "tea"), ("tea", "me"), ("ta", "me"), ("me", "tea")]
+    said = [spoken(f"take{i}", words) for i, words in enumerate(vocabulary)]
+    assert hardest_words(said, 1) == ("ma",)  # AA is said only once without it, and M AA never
+    assert hardest_words(said)[:2] == ("ma", "ta")
+    fold = words_fold(said, hardest_words(said))
+    assert len(fold.train) >= len(said) / 2
+
+
+def test_words_that_are_in_every_take_cannot_be_left_out() -> None:
+    with pytest.raises(InputError, match="none can be left out"):
+        hardest_words([spoken("one", ("ma", "me")), spoken("two", ("me", "ma"))])

@@ -6,7 +6,7 @@ and averaged, or over the frames of all takes pooled; and a bootstrap over takes
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from mien.core.errors import InputError
 from mien.metrics.closure import closure_counts
 from mien.metrics.distance import squared_distances
+from mien.metrics.mouth_distributions import distributions
+from mien.metrics.pairing import frontal
 from mien.metrics.scored_takes import Recording
 from mien.metrics.sync import is_undetectable, lag_of_best_correlation, onset_lag
 from mien.metrics.track_jitter import third_differences
@@ -27,7 +29,14 @@ Array = NDArray[np.float64]
 Tally = Mapping[str, Array]
 
 
-def tally(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) -> Tally:
+def tally(
+    recording: Recording,
+    synthesised: Array,
+    counted: NDArray[np.bool_],
+    offset: Array | None = None,
+    *,
+    from_the_front: bool = False,
+) -> Tally:
     """Compare a synthesised mouth with the recorded one.
 
     Parameters
@@ -37,13 +46,18 @@ def tally(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) 
         Millimetres, one frame for each of the recording, the same markers.
     counted : ndarray of bool, shape (frames,)
         Frames to score.
+    offset : ndarray, shape (markers, 3), or None
+        Taken off the synthesised markers before distances are taken, mm; openings and closures keep it.
+    from_the_front : bool
+        Take opening and width in x and y alone.
 
     Returns
     -------
     mapping of str to ndarray
-        ``distance`` and ``lips`` (sum, count), ``jitter`` (sum, count), the moments of ``opening``, ``width``,
-        ``opening_velocity`` and ``width_velocity``, ``closure`` (4 counts), and ``sync`` (lag, onset lag, whether
-        the lag goes unnoticed; each followed by its count).
+        ``distance``, ``lip_distance``, ``frontal`` (lips in x and y) and ``lips`` (sum, count), ``jitter`` (sum,
+        count), the moments of ``opening``, ``width``, ``opening_velocity`` and ``width_velocity``, ``closure`` (4
+        counts), ``sync`` (lag, onset lag, whether the lag goes unnoticed; each followed by its count), and what
+        `mien.metrics.mouth_distributions` counts.
 
     Raises
     ------
@@ -56,16 +70,22 @@ def tally(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) 
             f"take {recording.take.name!r}: expected finite positions of shape {recorded.shape} from the model, "
             f"got shape {synthesised.shape}"
         )
-    squared = squared_distances(recorded[counted], synthesised[counted])
+    laid = synthesised if offset is None else synthesised - offset
+    squared = squared_distances(recorded[counted], laid[counted])
+    flat = ((recorded - laid)[counted][:, sites.lips, :2] ** 2).sum(axis=2)
+    between = frontal if from_the_front else separation
     result = {
         "distance": np.array([squared.sum(), squared.size]),
+        "lip_distance": np.array([squared[:, sites.lips].sum(), squared[:, sites.lips].size]),
+        "frontal": np.array([flat.sum(), flat.size]),
         "lips": np.array([squared[:, sites.lips].max(axis=1).sum(), len(squared)]),
         "jitter": _jitter(synthesised, counted),
-        "closure": _closure(recording, synthesised, counted),
-        "sync": _sync(recording, synthesised),
+        "closure": _closure(recording, between(synthesised, *sites.opening), counted),
+        "sync": _sync(recording, [between(positions, *sites.opening) for positions in (recorded, synthesised)]),
+        **distributions(between(synthesised, *sites.opening), recording.times, recording.take.phones, counted),
     }
     for name, (one, other) in (("opening", sites.opening), ("width", sites.width)):
-        curves = [separation(positions, one, other) for positions in (recorded, synthesised)]
+        curves = [between(positions, one, other) for positions in (recorded, synthesised)]
         result[name] = moments(curves[0][counted], curves[1][counted])
         speeds = [velocity(curve, recording.fps) for curve in curves]
         moving = counted & np.isfinite(speeds[0])
@@ -82,18 +102,16 @@ def _jitter(positions: Array, counted: NDArray[np.bool_]) -> Array:
     return np.array([values.sum(), values.size])
 
 
-def _closure(recording: Recording, synthesised: Array, counted: NDArray[np.bool_]) -> Array:
+def _closure(recording: Recording, opening: Array, counted: NDArray[np.bool_]) -> Array:
     if not recording.sites.inner:
         return np.zeros(4)
-    opening = separation(synthesised, *recording.sites.opening)
     counts = closure_counts(opening, recording.times, recording.take.phones, counted)
     return np.array([counts.bilabials, counts.found, counts.closed_frames, counts.right_frames], dtype=np.float64)
 
 
-def _sync(recording: Recording, synthesised: Array) -> Array:
-    """Lags of the whole take; where one cannot be told its count is 0."""
+def _sync(recording: Recording, curves: Sequence[Array]) -> Array:
+    """Lags of the whole take between two openings; where one cannot be known its count is 0."""
     held = recording.speech
-    curves = [separation(positions, *recording.sites.opening) for positions in (recording.positions, synthesised)]
     lag = lag_of_best_correlation(curves[0][held], curves[1][held], recording.fps)
     seen = np.isfinite(curves[0])
     late = onset_lag(curves[0][seen], curves[1][seen], recording.times[seen], recording.first_phone)

@@ -13,7 +13,7 @@ from mien.core.errors import InputError
 from mien.core.plotting import COLOURS, GRID, Colour, Figure, Panel, write_png
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
-from mien.metrics.protocols import RECORDING, Trace
+from mien.metrics.evaluation import RECORDING, Trace
 from mien.metrics.trajectory import separation, velocity
 
 __all__ = ["MOST_MODELS", "draw_trajectories", "write_trajectories"]

@@ -53,6 +53,16 @@ class Recording:
         return self.take.markers.positions
 
     @property
+    def bridged(self) -> Array:
+        """The same with straight lines over frames in which a marker was not seen (they are not scored)."""
+        seen = np.asarray(np.isfinite(self.positions).all(axis=(1, 2)))
+        if seen.all():
+            return self.positions
+        flat = self.positions.reshape(len(seen), -1)
+        columns = [np.interp(self.times, self.times[seen], column[seen]) for column in flat.T]
+        return np.stack(columns, axis=1).reshape(self.positions.shape)
+
+    @property
     def fps(self) -> float:
         """Frames per second."""
         return self.take.markers.rate.fps

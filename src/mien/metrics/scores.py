@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.metrics.counts import Tally
-from mien.metrics.trajectory import correlation_of, rms_error_of
+from mien.metrics.dynamics import CLASSES
+from mien.metrics.mouth_distributions import median_of, p99_of, range_of
+from mien.metrics.trajectory import bias_of, correlation_of, error_without_bias_of, rms_error_of, spread_of
 
 __all__ = ["METRICS", "RESAMPLES", "Metric", "Score", "score"]
 
@@ -86,12 +88,20 @@ def _f1(counts: Array) -> Array:
 
 METRICS: Mapping[str, Metric] = {
     "rms": Metric("RMS", "mm", 2, "distance", _root_ratio),
+    "lips_rms": Metric("lips RMS", "mm", 2, "lip_distance", _root_ratio),
+    "lips_rms_frontal": Metric("lips RMS from the front", "mm", 2, "frontal", _root_ratio),
     "opening_r": Metric("opening r", "", 2, "opening", correlation_of),
     "opening_error": Metric("opening error", "mm", 2, "opening", rms_error_of),
+    "opening_spread": Metric("opening spread", "", 2, "opening", spread_of),
+    "opening_bias": Metric("opening bias", "mm", 2, "opening", bias_of),
+    "opening_error_without_bias": Metric("opening error", "mm", 2, "opening", error_without_bias_of),
     "opening_velocity_r": Metric("opening velocity r", "", 2, "opening_velocity", correlation_of),
     "opening_velocity_error": Metric("opening velocity error", "mm/s", 0, "opening_velocity", rms_error_of),
     "width_r": Metric("width r", "", 2, "width", correlation_of),
     "width_error": Metric("width error", "mm", 2, "width", rms_error_of),
+    "width_spread": Metric("width spread", "", 2, "width", spread_of),
+    "width_bias": Metric("width bias", "mm", 2, "width", bias_of),
+    "width_error_without_bias": Metric("width error", "mm", 2, "width", error_without_bias_of),
     "width_velocity_r": Metric("width velocity r", "", 2, "width_velocity", correlation_of),
     "width_velocity_error": Metric("width velocity error", "mm/s", 0, "width_velocity", rms_error_of),
     "closure_recall": Metric("closure recall", "", 2, "closure", _recall, "always"),
@@ -99,6 +109,10 @@ METRICS: Mapping[str, Metric] = {
     "closure_f1": Metric("closure F1", "", 2, "closure", _f1, "always"),
     "lip_vertex_error": Metric("lip-vertex error", "mm²", 1, "lips", _ratio()),
     "jitter": Metric("jitter", "mm", 2, "jitter", _root_ratio),
+    "speed_p99": Metric("lip speed p99", "mm/s", 0, "speeds", p99_of, "always"),
+    "turns": Metric("turns", "1/s", 2, "turns", _ratio(), "always"),
+    **{f"median_{kind}": Metric(kind, "mm", 1, f"opening {kind}", median_of, "always") for kind in CLASSES},
+    **{f"range_{kind}": Metric(kind, "mm", 1, f"opening {kind}", range_of, "always") for kind in CLASSES},
     "lag": Metric("lag", "ms", 0, "sync", _ratio(0), "mean"),
     "onset_lag": Metric("onset lag", "ms", 0, "sync", _ratio(2), "mean"),
     "in_sync": Metric("within BT.1359", "", 2, "sync", _ratio(4), "mean"),

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ __all__ = [
     "Fold",
     "check_names",
     "check_words",
+    "hardest_words",
     "named_fold",
     "random_folds",
     "read_list",
@@ -35,6 +37,10 @@ __all__ = [
 
 PARTS = 8
 """Parts into which takes or words are dealt when no list is given."""
+
+
+HARDEST = 12
+"""Words that `hardest_words` takes, at most."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +171,59 @@ def words_folds(takes: Sequence[Take], folds: int, random: np.random.Generator) 
         for word, part in zip(group, random.permutation(PARTS), strict=False):
             parts[part].append(word)
     return [words_fold(takes, part) for part in parts[:folds]]
+
+
+def hardest_words(takes: Sequence[Take], most: int = HARDEST) -> tuple[str, ...]:
+    """The words that are hardest to guess from all others, hardest first.
+
+    A word is the harder the larger the share of its phone pairs (with their order, inside the word) that is said in no
+    take without the word; among equals, the more seldom its rarest phone is said there. Words are taken in this order
+    as long as half of the takes remain to learn from.
+
+    Parameters
+    ----------
+    takes : sequence of Take
+    most : int
+        Words that are taken, at most.
+
+    Raises
+    ------
+    InputError
+        If no word can be left out.
+    """
+    pairs = {take.name: Counter(pairwise(p.label for p in take.phones)) for take in takes}
+    phones = {take.name: Counter(p.label for p in take.phones) for take in takes}
+    all_pairs, all_phones = sum(pairs.values(), Counter()), sum(phones.values(), Counter())
+    ranked = []
+    for word, (inside, where) in _said_as(takes).items():
+        held_pairs = sum((pairs[name] for name in where), Counter())
+        held_phones = sum((phones[name] for name in where), Counter())
+        inner = list(pairwise(inside))
+        unheard = sum(all_pairs[pair] == held_pairs[pair] for pair in inner) / max(len(inner), 1)
+        rarest = min(all_phones[phone] - held_phones[phone] for phone in inside)
+        ranked.append((-unheard, rarest, word, where))
+    chosen: list[str] = []
+    used: frozenset[str] = frozenset()
+    for *_, word, where in sorted(ranked, key=lambda row: row[:3]):
+        if len(used | where) <= len(takes) / 2 and len(chosen) < most:
+            chosen.append(word)
+            used |= where
+    if not chosen:
+        raise InputError("every word is said in more than half of the takes: none can be left out")
+    return tuple(chosen)
+
+
+def _said_as(takes: Sequence[Take]) -> dict[str, tuple[tuple[str, ...], frozenset[str]]]:
+    """For each word how it is said most often, and the takes that hold it."""
+    ways: dict[str, Counter[tuple[str, ...]]] = {}
+    where: dict[str, set[str]] = {}
+    for take in takes:
+        for word in take.words:
+            inside = tuple(p.label for p in take.phones if word.start <= p.middle < word.end)
+            if inside:
+                ways.setdefault(word.label.lower(), Counter())[inside] += 1
+                where.setdefault(word.label.lower(), set()).add(take.name)
+    return {word: (max(sorted(said), key=said.__getitem__), frozenset(where[word])) for word, said in ways.items()}
 
 
 def _check_folds(folds: int) -> None:

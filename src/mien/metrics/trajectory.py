@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 from mien.core.errors import InputError
 
 __all__ = [
+    "bias_of",
     "correlation",
     "correlation_of",
+    "error_without_bias_of",
     "moments",
     "rms_error",
     "rms_error_of",
     "separation",
+    "spread_of",
     "validate",
     "velocity",
 ]
@@ -92,6 +95,35 @@ def correlation_of(moments: Array) -> Array:
         spread_x, spread_y = xx - x * x / n, yy - y * y / n
         moves = (spread_x > _STILL * xx) & (spread_y > _STILL * yy)
         return np.where(moves, (xy - x * y / n) / np.sqrt(spread_x * spread_y), np.nan)
+
+
+def spread_of(moments: Array) -> Array:
+    """Standard deviation of the synthesised curve over that of the recorded one, from moments; NaN for a still one.
+
+    Examples
+    --------
+    >>> float(spread_of(moments(np.array([0.0, 1.0, 2.0]), np.array([5.0, 5.5, 6.0]))))
+    0.5
+    """
+    n, x, y, xx, yy, _ = np.moveaxis(moments, -1, 0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        recorded, synthesised = xx - x * x / n, yy - y * y / n
+        spread = np.sqrt(np.maximum(synthesised, 0.0) / recorded)
+        return np.where(recorded > _STILL * xx, np.where(synthesised > _STILL * yy, spread, 0.0), np.nan)
+
+
+def error_without_bias_of(moments: Array) -> Array:
+    """Root of the mean squared difference without its mean, from moments of shape (..., 6): shape (...)."""
+    n, x, y, xx, yy, xy = np.moveaxis(moments, -1, 0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.sqrt(np.maximum((xx - 2 * xy + yy) / n - ((y - x) / n) ** 2, 0.0)))
+
+
+def bias_of(moments: Array) -> Array:
+    """Mean of synthesised less recorded from moments of shape (..., 6): shape (...)."""
+    n, x, y = np.moveaxis(moments, -1, 0)[:3]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray((y - x) / n)
 
 
 def rms_error_of(moments: Array) -> Array:
