@@ -30,7 +30,7 @@ from mien.pipeline.options import (
 )
 from mien.text.script import Script
 
-__all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_text", "save", "say"]
+__all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_motion", "read_text", "save", "say"]
 
 
 def say(
@@ -208,10 +208,17 @@ def express(
     performer.expression.check(score)
     from mien.pipeline.perform import express as lay_over
 
-    return lay_over(_moved(motion, fps), score, performer, seed)
+    return lay_over(read_motion(motion, fps), score, performer, seed)
 
 
-def _moved(motion: str | Path | Animation, fps: Rate | None) -> Animation:
+def read_motion(motion: str | Path | Animation, fps: Rate | None = None) -> Animation:
+    """An animation as it is, or read from a native ``.json`` or a Live Link Face ``.csv``.
+
+    Raises
+    ------
+    InputError
+        If the motion cannot be read; the rate (``fps``) is for a ``.csv`` alone.
+    """
     if isinstance(motion, Animation):
         return motion
     suffix = Path(motion).suffix.lower()
