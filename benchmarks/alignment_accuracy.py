@@ -36,7 +36,8 @@ from hand_labels import Labelled
 from mien.core.audio import Audio
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
-from mien.speech.align import AlignedPhone, align_words, tiers
+from mien.speech.align import align_words, tiers
+from mien.speech.aligned_phone import AlignedPhone
 from mien.speech.recognise import Recogniser, recognise
 from mien.speech.transcript_doubts import misfits
 from mien.text.pronunciation import pronunciations

@@ -38,7 +38,7 @@ from mien.motion.graph.plain_search import plain_search
 from mien.motion.graph.query import SpokenPhones
 from mien.motion.graph.search import search
 from mien.motion.performers import load_learned_performer
-from mien.text.pronunciation import pronounce_text
+from mien.text.normalisation import pronounce_text
 
 WEIGHTS = {"paper": SearchWeights(), "learned": load_learned_performer("default").model("graph").weights_}
 LENGTH = 30

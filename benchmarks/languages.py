@@ -30,6 +30,7 @@ from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align
 from mien.speech.synthesis import synthesise
 from mien.text.languages import find_language, heard_as
+from mien.text.languages.reading import read_in
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "languages.md"
 FILES = 150
@@ -88,7 +89,7 @@ def whole_words(item: Labelled) -> tuple[str, float] | None:
     """The words that the labels hold as a whole, and where the last of them ends."""
     german = find_language("de")
     assert german is not None
-    said = german.read(GERMAN[item.name[2:5]])
+    said = read_in(german, GERMAN[item.name[2:5]])
     labels = [phone for phone in item.phones if phone.label != PAUSE]
     phones = [heard_as(word.phones or (), german) for word in said.words]
     flat = [phone for word in phones for phone in word]

@@ -25,8 +25,9 @@ from itertools import pairwise
 from pathlib import Path
 
 from mien.corpus.recording.scripts import Line, read_script
+from mien.text.normalisation import pronounce_text
 from mien.text.phones import phone_table
-from mien.text.pronunciation import dictionary_entries, pronounce_text
+from mien.text.pronunciation import dictionary_entries
 
 SHARE = 0.99
 NEIGHBOURS = 2000

@@ -16,7 +16,7 @@ from mien.corpus.recipes import Recipe
 from mien.corpus.take_timing import timed
 from mien.corpus.transcripts import Transcript
 from mien.formats.sound_files import read_audio
-from mien.speech.align import AlignedPhone
+from mien.speech.aligned_phone import AlignedPhone
 from tests.corpus import recordings as made
 
 FINNISH = Recipe("mine", "", "npz", language="fi")

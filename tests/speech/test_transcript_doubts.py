@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.utterance import PAUSE
-from mien.speech.align import AlignedPhone
+from mien.speech.aligned_phone import AlignedPhone
 from mien.speech.transcript_doubts import doubts, misfits
 from mien.text.normalisation import spoken_words
 

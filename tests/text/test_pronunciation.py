@@ -6,13 +6,13 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.text.letter_to_sound import phones_of_letters
+from mien.text.normalisation import pronounce_text
 from mien.text.phones import phone_table
 from mien.text.pronunciation import (
     _dictionary,
     dictionary_entries,
     in_dictionary,
     pronounce,
-    pronounce_text,
     pronunciations,
 )
 

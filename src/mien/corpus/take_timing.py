@@ -15,6 +15,7 @@ from mien.corpus.transcripts import Transcript
 from mien.speech.align import align_words, choices_of, tiers
 from mien.speech.transcript_doubts import LOWEST_PHONE_SCORE, LOWEST_RUN_SCORE, LOWEST_RUN_SCORE_THROUGH_A_MAP, doubts
 from mien.text.languages import find_language, in_english_phones, native_tier
+from mien.text.languages.reading import read_in
 from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronunciations
 
@@ -68,7 +69,7 @@ def timed(audio: Audio, transcript: Transcript, recipe: Recipe, source: str) -> 
 def _aligned(audio: Audio, text: str, recipe: Recipe) -> Timed:
     """By the acoustic model of English, for another language through its phone map."""
     language = find_language(recipe.language)
-    spoken = spoken_words(text) if language is None else language.read(text)
+    spoken = spoken_words(text) if language is None else read_in(language, text)
     words = [word.text for word in spoken.words]
     if language is None:
         choices = [_ways_to_say(word, recipe) for word in words]

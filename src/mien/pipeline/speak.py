@@ -21,10 +21,11 @@ from mien.text.commands import Command, CommandLibrary, shipped_library
 from mien.text.effort_spans import EffortCurve, EffortSpan
 from mien.text.intensity import IntensityCurve
 from mien.text.languages import read_words
-from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.normalisation import spoken_words
 from mien.text.parameter_curves import ParameterCurve
 from mien.text.score import EmotionSpan
 from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion, Script, Segment
+from mien.text.spoken_text import SpokenText
 from mien.text.sync_points import Moment, plain
 
 __all__ = ["place", "speak", "speak_over"]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
-from mien.text.normalisation import SpokenText
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["Joined", "Joiner", "WordPlace", "over_longer_sound", "with_pauses"]
 

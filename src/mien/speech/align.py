@@ -8,7 +8,6 @@ aligned coarsely with pruning on, cut at its pauses, and each piece is then alig
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,14 +19,17 @@ from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, InputError, Note
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
+from mien.speech.aligned_phone import AlignedPhone
 from mien.speech.decoder import RATE, DecodedPhone, DecodedWord, DecoderError, Piece, decode, pcm16
 from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
 from mien.text.languages.language import ENGLISH
 from mien.text.languages.language_detection import note_on_language
-from mien.text.normalisation import SpokenWord, spoken_words
+from mien.text.languages.reading import read_in
+from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronunciations
+from mien.text.spoken_text import SpokenWord
 
-__all__ = ["AlignedPhone", "align", "align_pieces", "align_words", "choices_of", "name_words", "tiers"]
+__all__ = ["align", "align_pieces", "align_words", "choices_of", "name_words", "tiers"]
 
 BEST = {"lm": None, "bestpath": False, "beam": 0.0, "wbeam": 0.0, "pbeam": 0.0, "frate": 200}
 """Settings with the least boundary error (see docs/tables/alignment.md)."""
@@ -43,17 +45,6 @@ _TARGET_PIECE = 10.0
 _MOST_WORD_SECONDS = 60_000.0
 """Words times seconds up to which a coarse alignment may run without pruning: beyond it memory runs to gigabytes."""
 _SHORTEST_SOUND = 0.1
-
-
-@dataclass(frozen=True)
-class AlignedPhone:
-    """A phone in time. ``word`` is the number of its word, -1 in a pause; ``score`` is per frame of 5 ms."""
-
-    label: str
-    start: float
-    end: float
-    word: int
-    score: float
 
 
 def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utterance:
@@ -90,7 +81,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     other = find_language(language)
     if audio.duration < _SHORTEST_SOUND:
         raise InputError(f"a sound to align lasts at least {_SHORTEST_SOUND} s, this one {audio.duration:.3f} s")
-    spoken = spoken_words(text) if other is None else other.read(text)
+    spoken = spoken_words(text) if other is None else read_in(other, text)
     tag = str(language) if other is None else other.tag
     if audio.is_silent():
         return _silent(audio, text, tag, spoken.notes)

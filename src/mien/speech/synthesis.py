@@ -12,13 +12,16 @@ from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, Note
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE, Utterance
-from mien.speech.align import AlignedPhone, align_words, tiers
+from mien.speech.align import align_words, tiers
+from mien.speech.aligned_phone import AlignedPhone
 from mien.speech.voices import Speech, Voice, get_voice
 from mien.speech.voices.voice import Break
 from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
 from mien.text.languages.language_detection import note_on_language
-from mien.text.normalisation import SpokenText, spoken_words
+from mien.text.languages.reading import read_in
+from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronounce, pronunciations
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["synthesise"]
 
@@ -58,7 +61,7 @@ def synthesise(
     -------
     Utterance
         Word ``i`` of its words tier is word ``i`` of ``spoken_words(text).words`` (for another language than English,
-        of ``find_language(language).read(text).words``).
+        of ``read_in(find_language(language), text).words``).
 
     Raises
     ------
@@ -69,7 +72,7 @@ def synthesise(
     """
     speaker = get_voice(voice, find_language(language))
     own = speaker.own_language
-    spoken = _spelled(spoken_words(text) if own is None else own.read(text), spellings, speaker)
+    spoken = _spelled(spoken_words(text) if own is None else read_in(own, text), spellings, speaker)
     speech = speaker.speak(spoken, seed)
     if speaker.realign or speech.phones is None:
         utterance = _aligned(spoken, speaker, speech)

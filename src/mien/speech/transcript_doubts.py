@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,8 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.errors import Note
 from mien.core.utterance import PAUSE
-from mien.text.normalisation import SpokenText
-
-if TYPE_CHECKING:
-    from mien.speech.align import AlignedPhone
+from mien.speech.aligned_phone import AlignedPhone
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["Misfit", "doubts", "misfits"]
 

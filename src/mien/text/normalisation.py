@@ -13,12 +13,13 @@ from dataclasses import replace
 
 from mien.core.errors import InputError, Note
 from mien.text.heteronyms import with_heteronyms
+from mien.text.pronunciation import Pronunciation, pronounce
 from mien.text.spoken_numbers import english_table
 from mien.text.spoken_text import SpokenText, SpokenWord
 from mien.text.stage_directions import without_directions
 from mien.text.text_patterns import READERS, TEXT_PATTERN
 
-__all__ = ["SpokenText", "SpokenWord", "spoken_words"]
+__all__ = ["pronounce_text", "spoken_words"]
 
 
 def spoken_words(text: str) -> SpokenText:
@@ -55,6 +56,17 @@ def spoken_words(text: str) -> SpokenText:
     if dropped:
         notes += (Note("note", f"left out of the spoken text: {' '.join(dict.fromkeys(dropped))}"),)
     return SpokenText(text, with_heteronyms(words), notes)
+
+
+def pronounce_text(text: str) -> tuple[tuple[str, Pronunciation], ...]:
+    """Each spoken word of a written text with its pronunciation.
+
+    Examples
+    --------
+    >>> pronounce_text("2 cats")
+    (('two', ('T', 'UW')), ('cats', ('K', 'AE', 'T', 'S')))
+    """
+    return tuple((word.text, pronounce(word.text)) for word in spoken_words(text).words)
 
 
 # ---- Letters and signs -------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from pathlib import Path
 from mien.core.errors import InputError
 from mien.text.phones import is_vowel, phone_table
 
-__all__ = ["Pronunciation", "dictionary_entries", "in_dictionary", "pronounce", "pronounce_text", "pronunciations"]
+__all__ = ["Pronunciation", "dictionary_entries", "in_dictionary", "pronounce", "pronunciations"]
 
 Pronunciation = tuple[str, ...]
 
@@ -129,19 +129,6 @@ def pronunciations(word: str) -> tuple[Pronunciation, ...]:
     if not any("a" <= char <= "z" for char in word):
         raise InputError(f"expected a word in the letters a to z, got {word!r}")
     return _listed(word) or _inflected(word) or _compound(word) or (_by_letters(word),)
-
-
-def pronounce_text(text: str) -> tuple[tuple[str, Pronunciation], ...]:
-    """Each spoken word of a written text with its pronunciation.
-
-    Examples
-    --------
-    >>> pronounce_text("2 cats")
-    (('two', ('T', 'UW')), ('cats', ('K', 'AE', 'T', 'S')))
-    """
-    from mien.text.normalisation import spoken_words
-
-    return tuple((word.text, pronounce(word.text)) for word in spoken_words(text).words)
 
 
 def _listed(word: str) -> tuple[Pronunciation, ...]:

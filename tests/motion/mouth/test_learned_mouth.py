@@ -11,8 +11,8 @@ from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.motion.mouth.learned_mouth import LearnedMouth
 from mien.motion.performers import known_performers, load_learned_performer, load_performer
+from mien.text.normalisation import pronounce_text
 from mien.text.phones import phone_table
-from mien.text.pronunciation import pronounce_text
 from tests.utterances import utterance
 
 # Twenty sentences; every phone of English is in them, and plenty of lips.

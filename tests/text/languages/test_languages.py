@@ -12,6 +12,7 @@ from mien.motion.mouth.hand_made_mouth import AuthoredMouth
 from mien.text.languages import find_language, heard_as, in_english_phones, known_languages, native_tier
 from mien.text.languages.language import Language
 from mien.text.languages.language_detection import looks_like, note_on_language
+from mien.text.languages.reading import read_in
 from tests.programs import voice_or_skip
 
 
@@ -61,7 +62,7 @@ def test_phones_become_english_ones_and_keep_their_time() -> None:
 
 
 def test_aligned_phones_come_back_as_the_language_s_own() -> None:
-    from mien.speech.align import AlignedPhone
+    from mien.speech.aligned_phone import AlignedPhone
 
     german, words = language("de"), [("pf", "eː"), ("ʔ",)]
     assert [heard_as(word, german) for word in words] == [("P", "F", "EY"), ("AH",)]
@@ -81,7 +82,7 @@ def test_another_language_is_one_file(tmp_path: Path) -> None:
     file.write_text(TABLE, encoding="utf-8")
     estonian = find_language(file)
     assert estonian is not None
-    assert estonian.read("põp").words[0].phones == ("p", "ɤ", "p")
+    assert read_in(estonian, "põp").words[0].phones == ("p", "ɤ", "p")
 
 
 @pytest.mark.parametrize(
@@ -130,7 +131,7 @@ def test_which_language_a_text_looks_like(text: str, tag: str | None) -> None:
 
 def test_german_through_espeak() -> None:
     voice_or_skip("espeak-de")
-    said = language("de").read("Schöne Grüße, z.B. 25!")
+    said = read_in(language("de"), "Schöne Grüße, z.B. 25!")
     assert [(word.text, word.pause) for word in said.words] == [
         ("schöne", ""), ("grüße", ","), ("zum", ""), ("beispiel", ""), ("25", "!"),
     ]  # fmt: skip

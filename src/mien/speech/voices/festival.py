@@ -23,7 +23,7 @@ from mien.speech.voices.sentences import Sentence
 from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
 from mien.text.languages import find_language
-from mien.text.normalisation import SpokenText
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["Festival", "festival_voices", "scheme_string"]
 

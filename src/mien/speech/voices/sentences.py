@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
-from mien.text.normalisation import SpokenText
 from mien.text.pronunciation import Pronunciation, pronounce
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["Sentence", "Word", "sentences_of", "shorter_than"]
 

@@ -10,7 +10,7 @@ from mien.core.errors import MissingPartError, Note
 from mien.core.timeline import Tier
 from mien.speech.voices.sentences import Sentence, sentences_of
 from mien.text.languages import Language
-from mien.text.normalisation import SpokenText
+from mien.text.spoken_text import SpokenText
 
 __all__ = ["Availability", "Break", "Speech", "Voice"]
 

@@ -9,7 +9,7 @@ from mien.core.errors import InputError, Note
 from mien.text.languages.espeak_program import ask_espeak
 from mien.text.languages.language import Language
 from mien.text.languages.tokens import Token, tokens_of
-from mien.text.normalisation import SpokenText, SpokenWord
+from mien.text.spoken_text import SpokenText, SpokenWord
 
 __all__ = ["read_with_espeak"]
 

@@ -13,10 +13,9 @@ from typing import Any
 
 from mien.core.errors import InputError, unknown_name
 from mien.core.utterance import PAUSE
-from mien.text.normalisation import SpokenText, spoken_words
 from mien.text.phones import phone_table
 
-__all__ = ["ENGLISH", "Language", "Segment", "find_language", "known_languages", "plain_sign", "read_words"]
+__all__ = ["ENGLISH", "Language", "Segment", "find_language", "known_languages", "plain_sign"]
 
 ENGLISH = "en-US"
 _COMMON = ("ascii", "ipa")
@@ -98,39 +97,6 @@ class Language:
             found += self._segments[part]
             sign = sign[len(part) :]
         return tuple(found)
-
-    def read(self, text: str) -> SpokenText:
-        """The words that are said for a text; each knows its phones, in this language's own signs.
-
-        Raises
-        ------
-        InputError
-            If there is nothing in the text that can be spoken.
-        MissingPartError
-            If the language is read by eSpeak NG and it is not installed.
-        """
-        if self.reader == "letters":
-            from mien.text.languages.letter_rules import read_letters
-
-            return read_letters(text, self)
-        from mien.text.languages.espeak_reader import read_with_espeak
-
-        return read_with_espeak(text, self)
-
-
-def read_words(text: str, language: str | Path | None = None, spoken: str | None = None) -> SpokenText:
-    """The words that are said for a text, in any language.
-
-    Parameters
-    ----------
-    text : str
-    language : str, Path or None
-        As `find_language` takes it.
-    spoken : str or None
-        The tag of what it was spoken as, where no language was asked for.
-    """
-    found = find_language(language if language is not None else spoken)
-    return spoken_words(text) if found is None else found.read(text)
 
 
 def plain_sign(phone: str) -> str:

@@ -16,7 +16,7 @@ from mien.core.errors import InputError, Note
 from mien.text.languages.finnish_numbers import cardinal, decimal, ordinal
 from mien.text.languages.language import Language
 from mien.text.languages.tokens import Token, is_from_other_script, tokens_of
-from mien.text.normalisation import SpokenText, SpokenWord
+from mien.text.spoken_text import SpokenText, SpokenWord
 
 __all__ = ["phones_of_letters", "read_letters"]
 
