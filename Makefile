@@ -33,6 +33,7 @@ $(VENV)/.dev: $(VENV)/.core
 
 demo: $(VENV)/.core
 	@mkdir -p $(DEMO)
+	$(BIN)/mien warm-up
 	@echo "1. a sentence"
 	$(BIN)/mien say "$(SENTENCE)" --emotion happy:0.5 -o $(DEMO)/sentence.mp4 --also $(DEMO)/sentence.glb --also $(DEMO)/sentence.wav
 	@echo "2. a recording with its text (the sound of the first step)"

@@ -28,6 +28,7 @@ from mien.cli import (
     serve_command,
     stimuli_command,
     studio_command,
+    warm_up_command,
 )
 from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
@@ -166,6 +167,7 @@ def _parser() -> argparse.ArgumentParser:
     stimuli_command.add_commands(commands)
 
     list_commands.add_commands(commands)
+    warm_up_command.add_command(commands)
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)
     helping = commands.add_parser("help", help="this page, or that of a command")

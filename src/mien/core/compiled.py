@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-__all__ = ["Kernel", "cache_folder", "cache_note", "kept", "njit", "prange"]
+__all__ = ["Kernel", "cache_folder", "cache_note", "compilations", "kept", "njit", "prange"]
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 
@@ -92,6 +92,7 @@ def _numba() -> ModuleType:
 
 
 _one_at_a_time = threading.RLock()
+_made: list[Any] = []
 prange = range
 """`numba.prange` inside kernels; plain `range` in what Python runs."""
 
@@ -122,6 +123,7 @@ class Kernel:
                 numba, options = _numba(), dict(self._options)
                 options["cache"] = options.get("cache", False) and kept()
                 compiled = self._compiled = numba.njit(**options)(self.py_func)
+                _made.append(compiled)
                 names = self.py_func.__globals__
                 for name, value in list(names.items()):
                     if isinstance(value, Kernel):
@@ -135,6 +137,11 @@ class Kernel:
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """`numba.njit` at the first call, kept between starts where there is a place for it."""
     return lambda function: Kernel(function, options)
+
+
+def compilations() -> int:
+    """How many versions of kernels numba has compiled or read from its cache so far."""
+    return sum(len(kernel.signatures) for kernel in _made)
 
 
 def cache_note() -> str:
