@@ -59,6 +59,8 @@ class Retargeter:
     ridge, steadiness : float
         Share of the mean squared length of a target (over all markers) with which large weights, and changes from frame
         to frame at 30 frames per second, are held back.
+    depth : float
+        How much a displacement in depth (z) counts against one that is seen from the front.
 
     Raises
     ------
@@ -73,10 +75,12 @@ class Retargeter:
         channels: Sequence[str],
         ridge: float = 2e-3,
         steadiness: float = 2e-3,
+        depth: float = 1.0,
     ) -> None:
         self.channels = tuple(channels)
         self.sites = tuple(sites)
         self.ridge, self.steadiness = ridge, steadiness
+        self.weights = np.array([1.0, 1.0, depth])
         self.basis = basis_at(face, self.sites, self.channels)
         still = [n for n, column in zip(self.channels, self.basis, strict=True) if not column.any()]
         if still:
@@ -105,11 +109,11 @@ class Retargeter:
         if not np.isfinite(asked).all():
             frame, marker = np.argwhere(~np.isfinite(asked))[0][:2]
             raise InputError(f"displacements: frame {frame}, marker {marker} is not a finite number; fill gaps first")
-        flat = self.basis.reshape(len(self.channels), -1)
+        flat = (self.basis * self.weights).reshape(len(self.channels), -1)
         scale = float((flat**2).sum(axis=1).mean())
         steady = self.steadiness * scale * (fps / 30.0) ** 2
-        weights = _solve(flat, asked.reshape(len(asked), -1), self.ridge * scale, steady)
-        missed = (weights @ flat - asked.reshape(len(asked), -1)).reshape(asked.shape)
+        weights = _solve(flat, (asked * self.weights).reshape(len(asked), -1), self.ridge * scale, steady)
+        missed = np.einsum("tc,cmx->tmx", weights, self.basis) - asked
         return Retargeted(weights, np.sqrt((missed**2).sum(axis=2).mean(axis=1)))
 
 

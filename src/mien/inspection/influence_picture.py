@@ -12,7 +12,6 @@ from mien.core.utterance import PAUSE
 from mien.inspection.shares import phones_of_text
 from mien.motion.mouth.articulation import articulation_table, parts_of
 from mien.motion.mouth.influence import influence_of
-from mien.motion.mouth.learned_mouth import CLARITY
 from mien.motion.mouth.speech_motion import SpeechMotion
 
 __all__ = ["PHONE_LENGTH", "draw_influence", "evenly_spoken"]
@@ -47,10 +46,8 @@ def evenly_spoken(text: str) -> Tier:
 def draw_influence(motion: SpeechMotion, text: str) -> Image.Image:
     """Draw how strongly each part of speech pulls over time, and the lip opening that results.
 
-    From above: the influence over all strands of the motion, each weighed by how far it moves the mouth; the same as
-    it blends key shapes on a face (`mien.motion.mouth.learned_mouth.CLARITY`); the strands that move the mouth most;
-    lip
-    opening.
+    From above: the influence over all strands of the motion, each weighed by how far it moves the mouth; the
+    strands that move the mouth most; lip opening.
 
     Raises
     ------
@@ -62,12 +59,11 @@ def draw_influence(motion: SpeechMotion, text: str) -> Image.Image:
     times: Floats = np.arange(0, end, _STEP)
     influence, shares = _influence(motion, phones, times)
     mean = influence @ shares
-    sharpened = mean**CLARITY / (mean**CLARITY).sum(axis=1, keepdims=True)
-    panels = [("influence, mean over the strands", mean), (f"as it blends key shapes (power {CLARITY:g})", sharpened)]
+    panels = [("influence, mean over the strands", mean)]
     for strand in np.argsort(-shares, kind="stable")[:_STRANDS]:
         panels.append((f"strand {strand + 1}: {100 * shares[strand]:.0f} % of the motion", influence[:, :, strand]))
-    opening = motion.closure_.lips.opening
-    rows = len(panels) + (opening is not None)
+    openings = _openings(motion, phones, times)
+    rows = len(panels) + bool(openings)
     figure = Figure(_WIDTH, _HEAD + rows * (_PANEL + _GAP) + _FOOT)
     title = (
         f"{text}: each phone {1000 * PHONE_LENGTH:.0f} ms; the mouth runs {1000 * motion.settings.influence.lead:.0f}"
@@ -79,8 +75,8 @@ def draw_influence(motion: SpeechMotion, text: str) -> Image.Image:
         _draw_parts(panel, phones, times, values)
         panel.frame()
         figure.text((_LEFT, panel.box[1] - 24), name, 12, anchor="lb")
-    if opening is not None:
-        _draw_opening(figure, rows - 1, motion, phones, times, opening)
+    if openings:
+        _draw_opening(figure, rows - 1, openings, phones, times)
     figure.text((_WIDTH - _RIGHT, figure.height - 14), "seconds", 10, anchor="rm")
     return figure.finished()
 
@@ -127,18 +123,18 @@ def _draw_borders(panel: Panel, phones: Tier) -> None:
         panel.figure.line([(x, top), (x, bottom)], GRID)
 
 
-def _draw_opening(
-    figure: Figure, row: int, motion: SpeechMotion, phones: Tier, times: Floats, opening: tuple[int, int]
-) -> None:
-    """Lip opening by the curves alone, and as performed."""
-    alone = motion.space_.decode(motion.curves_.components(motion.curves_.place(phones, times)))
-    mouths = {
-        "influence curves alone": alone.reshape(len(times), -1, 3),
-        "performed (network's share, edits, closures)": motion.synthesise(phones, times),
+def _openings(motion: SpeechMotion, phones: Tier, times: Floats) -> dict[str, Floats]:
+    """Lip opening by the curves alone, and as performed, mm; none where the lips' middles are not known."""
+    rows = {
+        "influence curves alone": motion.space_.decode(motion.curves_.components(motion.curves_.place(phones, times))),
+        "performed (network's share, size, edits, closures)": motion.mouth_.rows_from(motion.synthesise(phones, times)),
     }
-    distances = {
-        name: np.linalg.norm(mouth[:, opening[0]] - mouth[:, opening[1]], axis=1) for name, mouth in mouths.items()
-    }
+    found = {name: motion.mouth_.opening_of(mouth) for name, mouth in rows.items()}
+    return {name: opening for name, opening in found.items() if opening is not None}
+
+
+def _draw_opening(figure: Figure, row: int, distances: dict[str, Floats], phones: Tier, times: Floats) -> None:
+    """Lip opening, mm."""
     high = 1.1 * max(float(values.max()) for values in distances.values()) + 1e-6
     panel = _panel(figure, row, float(times[-1]) + _STEP, (0.0, high))
     step = tick_step(high, 4)

@@ -1,4 +1,4 @@
-"""Sheets of key shapes on a face: where each phone pulls the mouth, as learned and as authored."""
+"""Sheets of key shapes on a face: where each phone pulls the mouth, as learned, and hand-made."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ class KeyShapes:
         self._renderer = Renderer(face, width, height, replace(camera, field_mm=_NEARER * camera.field_mm))
 
     def of_speaker(self) -> dict[str, Floats]:
-        """Channels of the speaker's learned targets by part (``"AY.1"``): shape (channels,), marker motion alone."""
-        return {symbol: self._by_markers(shape) for symbol, shape in self._targets().items()}
+        """Channels of the speaker's learned targets by part (``"AY.1"``): shape (channels,)."""
+        return {symbol: self._on_face(shape) for symbol, shape in self._targets().items()}
 
     def of_face(self) -> dict[str, Floats]:
         """Channels of the face's own authored key shapes by part."""
@@ -72,8 +72,8 @@ class KeyShapes:
             groups = {phone: (phone,) for phone in paper.keys_}
         found = {}
         for name, members in groups.items():
-            shape = paper.space_.decode(paper.keys_[members[0]][None]).reshape(-1, 3)
-            found[name if len(members) < 2 else f"{name}: {' '.join(members)}"] = self._by_markers(shape)
+            shape = paper.mouth_.motion_of(paper.space_.decode(paper.keys_[members[0]][None]))[0]
+            found[name if len(members) < 2 else f"{name}: {' '.join(members)}"] = self._on_face(shape)
         return found
 
     def sheet(self, shapes: Mapping[str, Floats], columns: int = _COLUMNS) -> Image.Image:
@@ -82,7 +82,7 @@ class KeyShapes:
         return Image.fromarray(contact_sheet(pictures, [name.replace("_", " ") for name in shapes], columns))
 
     def _targets(self) -> dict[str, Floats]:
-        """Where the mouth of the speaker is pulled, mm, by part of speech."""
+        """Where the mouth of the speaker is pulled, as it was learned, by part of speech."""
         table, motion = articulation_table(), self.learned.motion
         targets: dict[str, Floats] = {}
         for phone in _in_classes():
@@ -90,8 +90,8 @@ class KeyShapes:
             targets |= dict(zip(names, motion.key_shapes(phone), strict=True))
         return targets
 
-    def _by_markers(self, shape: Floats) -> Floats:
-        return np.asarray(self.mouth.by_markers(shape[None], _RATE)[0])
+    def _on_face(self, shape: Floats) -> Floats:
+        return np.asarray(self.mouth.on_face(shape[None], _RATE)[0])
 
     def _authored(self, symbol: str) -> Floats:
         phone, _, number = symbol.partition(".")

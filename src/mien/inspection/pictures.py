@@ -14,8 +14,8 @@ from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_
 from mien.inspection.expression_picture import draw_expression_space
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
-from mien.inspection.summary import heard_phones
 from mien.motion.expression.hand_made_performance import authored_space
+from mien.motion.mouth.coverage import heard_phones
 from mien.motion.performer_file import LearnedSpeech
 
 __all__ = ["DEFAULT_WORD", "Picture", "pictures_of"]

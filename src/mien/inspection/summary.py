@@ -8,31 +8,18 @@ from dataclasses import asdict
 from textwrap import wrap
 from typing import Any
 
-from mien.core.utterance import PAUSE
 from mien.inspection.shares import EVIDENCE, PairShares
 from mien.motion.em_pca import EMPCA
 from mien.motion.mouth.articulation import articulation_table
-from mien.motion.mouth.coverage import Coverage
+from mien.motion.mouth.coverage import heard_phones
 from mien.motion.mouth.influence_curves import PENALTIES
+from mien.motion.mouth.mouth_space import MarkerSpace
 from mien.motion.performer_file import LearnedSpeech
 
-__all__ = ["heard_phones", "summary", "table_of_shares"]
+__all__ = ["summary", "table_of_shares"]
 
 _WIDTH, _LINE = 20, 110
 _MOST_UNHEARD = 12
-
-
-def heard_phones(coverage: Coverage) -> dict[str, int]:
-    """How often each of the 39 phones was heard in learning; the pause is left out.
-
-    Counted from the pairs: as often as a phone begins one or ends one, whichever is more.
-    """
-    first: Counter[str] = Counter()
-    second: Counter[str] = Counter()
-    for (a, b), count in coverage.diphones_.items():
-        first[a] += count
-        second[b] += count
-    return {phone: max(first[phone], second[phone]) for phone in articulation_table().parts if phone != PAUSE}
 
 
 def summary(learned: LearnedSpeech, shares: PairShares) -> str:
@@ -82,7 +69,9 @@ def _origin(learned: LearnedSpeech) -> list[str]:
     rows = [_row("performer", learned.name)]
     about = learned.about or {"licence": "not stated in the file"}
     rows += [row for key, value in about.items() for row in _paragraph(key, value)]
-    rows.append(_row("layout", f"{motion.layout_}, {len(motion.markers_)} markers of the mouth"))
+    mouth = motion.mouth_
+    rows.append(_row("learned in", f"{len(mouth.names)} {mouth.kind} of the mouth"))
+    rows += [_row("layout", mouth.layout)] if isinstance(mouth, MarkerSpace) else _wrapped("", mouth.names)
     rows.append(_row("learned from", f"{len(learned.trained_on)} takes"))
     return rows
 
@@ -94,6 +83,7 @@ def _heard(learned: LearnedSpeech) -> list[str]:
     rows = [_row("phones", f"{sum(n > 0 for n in phones.values())} of {len(phones)} heard")]
     if missing:
         rows += _wrapped("never heard", missing)
+        rows.append(_row("", "these take hand-made key shapes"))
     for name, counts in (
         ("diphones", coverage.diphones_),
         ("triphones", coverage.triphones_),
@@ -109,6 +99,7 @@ def _heard(learned: LearnedSpeech) -> list[str]:
             f"(from {paper.settings.least_pairs} time-weight pairs up)",
         )
     )
+    rows.append(_row("hand-made besides", "tongue, inside of the mouth, the lip on the teeth at F and V"))
     if learned.motion.edits_:
         rows += _wrapped("edited by hand", learned.motion.edits_)
     return rows

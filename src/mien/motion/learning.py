@@ -17,6 +17,7 @@ from mien.motion.graph.weight_learning import TRIALS
 from mien.motion.maps.emotion_maps import learn_emotion_maps
 from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
 from mien.motion.mouth.influence_curves import fitting_cost
+from mien.motion.mouth.mouth_space import mouth_space_of
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import SPEECH_MODELS, LearnedSpeech
 
@@ -38,16 +39,29 @@ class LearningSettings:
     speech_model : str
         ``coarticulation``: learned curves alone; ``graph``: recorded motion too, and it performs; ``both``: the curves
         are corrected by what was recorded, and that performs.
+    learn_in : {"channels", "markers"} or None
+        In what the mouth is learned; None: in channels where every take has them (`mien.motion.mouth.mouth_space`).
     """
 
     speech: SpeechMotionSettings = field(default_factory=SpeechMotionSettings)
     paper: CoarticulationSettings = field(default_factory=lambda: CoarticulationSettings(class_back_off=True))
     graph: GraphMotionSettings = field(default_factory=GraphMotionSettings)
     speech_model: str = "both"
+    learn_in: str | None = None
 
     def __post_init__(self) -> None:
         if self.speech_model not in SPEECH_MODELS:
             raise unknown_name("speech model", self.speech_model, SPEECH_MODELS)
+
+    def in_one_space(self, takes: Sequence[Take]) -> LearningSettings:
+        """The same for models that all learn in the space that suits the takes."""
+        space = mouth_space_of(takes, self.learn_in).kind
+        return replace(
+            self,
+            speech=replace(self.speech, learn_in=space),
+            paper=replace(self.paper, learn_in=space),
+            graph=replace(self.graph, learn_in=space),
+        )
 
 
 def learn(
@@ -76,7 +90,7 @@ def learn(
     InputError
         If there is nothing to learn from.
     """
-    settings = settings or LearningSettings()
+    settings = (settings or LearningSettings()).in_one_space(takes)
     motion = SpeechMotion(settings.speech)
     recorded = settings.speech_model != "coarticulation"
     trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0

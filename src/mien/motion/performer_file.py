@@ -2,9 +2,11 @@
 
 A zip archive of one ``performer.json`` and arrays as ``.npy`` (``numpy.load`` opens it as an ``.npz``)::
 
-    performer.json    format, version, name, about (licence, attribution, corpus), layout, markers, settings, digests of
+    performer.json    format, version, name, about (licence, attribution, corpus), mouth, settings, digests of
                       the takes it was learned from, counts of phone sequences, scalars of the models
-    speech/...        `SpeechMotion`: pose space, influence curves, networks, closures, edited key shapes
+    mouth/...         from version 4: in what the mouth was learned (`mien.motion.mouth.mouth_space`)
+    speech/...        `SpeechMotion`: pose space, influence curves, networks, size of the motion, closures, edited key
+                      shapes
     paper/...         `Coarticulation`: pose space, key shapes, curves of diphones and triphones, cost by degree
     graph/...         from version 2, if it was learned: the Anime Graph and the residuals of its nodes (`graph_file`),
                       read when they are first used
@@ -55,15 +57,17 @@ from mien.motion.mouth.correction import Correction, CorrectionSettings
 from mien.motion.mouth.coverage import Coverage
 from mien.motion.mouth.influence import InfluenceCurves, InfluenceSettings
 from mien.motion.mouth.influence_curves import Curves
-from mien.motion.mouth.lip_closure import LipClosure, find_lips
+from mien.motion.mouth.lip_closure import LipClosure
+from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace, MouthSpace, space_from
 from mien.motion.mouth.speech_model import SpeechModel
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
+from mien.motion.mouth.spread import RecordedSpread
 
 __all__ = ["FORMAT", "SPEECH_MODELS", "VERSION", "LearnedSpeech", "load_learned", "save_learned"]
 
-FORMAT, VERSION = "mien-performer", 3
-READABLE = (1, 2, 3)
-"""Version 1 has no graph, version 2 no maps between emotions; a performer without such maps is written as version 2."""
+FORMAT, VERSION = "mien-performer", 4
+READABLE = (1, 2, 3, 4)
+"""Version 1 has no graph, version 2 no maps between emotions; up to version 3 the mouth was learned in markers."""
 SPEECH_MODELS = ("coarticulation", "graph", "both")
 """Names of the models of the speaking mouth: learned curves, recorded motion, curves corrected by what was recorded."""
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -152,11 +156,10 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
     motion, paper = learned.motion, learned.coarticulation
     content = {
         "format": FORMAT,
-        "version": VERSION if learned.emotion_maps else VERSION - 1,
+        "version": VERSION,
         "name": learned.name,
         "about": dict(learned.about),
-        "layout": motion.layout_,
-        "markers": motion.markers_,
+        "mouth": motion.mouth_.content(),
         "trained_on": learned.trained_on,
         "settings": {"speech": asdict(motion.settings), "paper": asdict(paper.settings)},
         "closure": {"apart": motion.closure_.apart_, "delay": motion.closure_.delay_},
@@ -171,7 +174,8 @@ def save_learned(learned: LearnedSpeech, path: str | Path) -> None:
         "edited": list(motion.edits_),
         "speech_model": learned.speech_model,
     }
-    arrays = _speech_arrays(motion) | _paper_arrays(paper) | {"paper/fitting_cost": learned.fitting_cost}
+    arrays = {f"mouth/{name}": array for name, array in motion.mouth_.arrays().items()}
+    arrays |= _speech_arrays(motion) | _paper_arrays(paper) | {"paper/fitting_cost": learned.fitting_cost}
     if learned.recorded is not None:
         content["graph"] = graph_content(learned.recorded)
         arrays |= graph_arrays(learned.recorded)
@@ -218,6 +222,9 @@ def _speech_arrays(motion: SpeechMotion) -> Arrays:
             for depth, (weights, bias) in enumerate(layers):
                 arrays[f"speech/correction/{number}/{depth}/weights"] = weights.astype(np.float32)
                 arrays[f"speech/correction/{number}/{depth}/bias"] = bias.astype(np.float32)
+    if motion.spread_ is not None:
+        spread = motion.spread_
+        arrays["speech/spread"] = np.stack([spread.mean_, spread.gain_, spread.sharpness_])
     arrays["speech/closing"] = motion.closure_.closing_
     for phone, offsets in motion.edits_.items():
         arrays[f"speech/edits/{phone}"] = offsets
@@ -254,7 +261,8 @@ def load_learned(path: str | Path) -> LearnedSpeech:
         with np.load(path, allow_pickle=False) as file:
             wanted = [name for name in file.files if name != "performer.json" and not name.startswith(PREFIX)]
             arrays: Arrays = {name: file[name] for name in wanted}
-        motion, paper = _speech_from(content, arrays), _paper_from(content, arrays)
+        motion = _speech_from(content, arrays)
+        paper = _paper_from(content, arrays, motion.mouth_)
         return LearnedSpeech(
             content["name"],
             motion,
@@ -282,11 +290,9 @@ def _recorded_from(path: Path, written: bytes, content: Mapping[str, Any], motio
                 if archive.read("performer.json") != written:
                     raise InputError(f"{path}: was changed after it was loaded; load it again")
                 graph = content["graph"]
-                parts = recorded_speech(
-                    graph, lambda name: mapped_array(path, archive, name), motion.markers_, motion.closure_
+                return recorded_speech(
+                    graph, lambda name: mapped_array(path, archive, name), motion.mouth_, motion.closure_
                 )
-                parts[0].layout_ = motion.layout_
-                return parts
         except (OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, IndexError) as problem:
             raise InputError(f"{path}: its graph is damaged or gone ({problem}); learn it again") from problem
 
@@ -303,25 +309,33 @@ def _space_from(prefix: str, components: int, arrays: Arrays) -> EMPCA:
 
 
 def _speech_from(content: Mapping[str, Any], arrays: Arrays) -> SpeechMotion:
-    given = dict(content["settings"]["speech"])
+    given = {key: value for key, value in content["settings"]["speech"].items() if key != "lip_emphasis"}
+    given.setdefault("as_recorded", False)  # up to version 3
     influence = InfluenceSettings(**given.pop("influence"))
     correction = dict(given.pop("correction"))
     correction["hidden"] = tuple(correction["hidden"])
     settings = SpeechMotionSettings(**given, influence=influence, correction=CorrectionSettings(**correction))
     motion = SpeechMotion(settings)
-    motion.layout_, motion.markers_ = content["layout"], tuple(content["markers"])
+    motion.mouth_ = _mouth_from(content, arrays)
     motion.space_ = _space_from("speech/space", settings.components, arrays)
     motion.curves_ = InfluenceCurves(influence)
     motion.curves_.weights_ = arrays["speech/influence/weights"].astype(np.float64)
     motion.curves_.shapes_ = arrays["speech/influence/shapes"].astype(np.float64)
     motion.correction_ = _correction_from(settings, arrays)
-    motion.closure_ = LipClosure(find_lips(motion.layout_, motion.markers_))
-    motion.closure_.closing_ = arrays["speech/closing"]
+    motion.spread_ = RecordedSpread().restore(*arrays["speech/spread"]) if "speech/spread" in arrays else None
+    motion.closure_ = LipClosure(motion.mouth_)
+    motion.closure_.closing_ = arrays["speech/closing"].ravel()
     motion.closure_.apart_, motion.closure_.delay_ = content["closure"]["apart"], content["closure"]["delay"]
     coverage = content["coverage"]
     motion.coverage_ = Coverage(coverage["least"]).restore(_split(coverage["triphones"]), _split(coverage["diphones"]))
     motion.edits_ = {phone: arrays[f"speech/edits/{phone}"] for phone in content["edited"]}
     return motion
+
+
+def _mouth_from(content: Mapping[str, Any], arrays: Arrays) -> MarkerSpace | ChannelSpace:
+    if "mouth" not in content:  # up to version 3
+        return MarkerSpace(content["layout"], content["markers"])
+    return space_from(content["mouth"], {name.removeprefix("mouth/"): array for name, array in arrays.items()})
 
 
 def _correction_from(settings: SpeechMotionSettings, arrays: Arrays) -> Correction | None:
@@ -345,9 +359,9 @@ def _split(counts: Mapping[str, int]) -> dict[tuple[str, ...], int]:
     return {tuple(phones.split(" ")): count for phones, count in counts.items()}
 
 
-def _paper_from(content: Mapping[str, Any], arrays: Arrays) -> Coarticulation:
+def _paper_from(content: Mapping[str, Any], arrays: Arrays, mouth: MouthSpace) -> Coarticulation:
     paper = Coarticulation(CoarticulationSettings(**content["settings"]["paper"]))
-    paper.markers_ = tuple(content["markers"])
+    paper.mouth_ = mouth
     paper.space_ = _space_from("paper/space", paper.settings.components, arrays)
     paper.keys_ = dict(zip(content["keys"], arrays["paper/keys"], strict=True))
     paper.curves_ = _curves_from(content["curves"], arrays["paper/curves"])

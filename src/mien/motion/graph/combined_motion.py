@@ -20,8 +20,9 @@ from mien.motion.graph.graph import AnimeGraph
 from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings, covering, trimmed
 from mien.motion.graph.recorded_residuals import RecordedResiduals
 from mien.motion.graph.sound import heard_features
-from mien.motion.mouth.recorded_mouths import only_mouth
+from mien.motion.mouth.mouth_space import MouthSpace
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
+from mien.motion.mouth.spread import APART
 
 __all__ = ["CombinedMotion", "CombinedMotionSettings", "learned_residuals", "residuals_of"]
 
@@ -64,12 +65,12 @@ class CombinedMotion:
         self.settings = settings or CombinedMotionSettings()
 
     @property
-    def markers_(self) -> tuple[str, ...]:
-        """Names of the mouth markers, in the order of what `synthesise` returns."""
-        return self.speech_.markers_
+    def mouth_(self) -> MouthSpace:
+        """What `synthesise` returns: channels or markers of the mouth."""
+        return self.speech_.mouth_
 
     def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
-        """Learn from takes; other markers than those of the mouth are left out.
+        """Learn from takes; what does not belong to the mouth is left out.
 
         Raises
         ------
@@ -86,7 +87,7 @@ class CombinedMotion:
         return self
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
-        """Positions of the mouth markers, by phones and their lengths alone; as `SpeechMotion.synthesise`."""
+        """The mouth by phones and their lengths alone; as `SpeechMotion.synthesise`."""
         return self._performed(phones, times, None)
 
     def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
@@ -96,13 +97,13 @@ class CombinedMotion:
     def _performed(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
         times = np.asarray(times, dtype=np.float64)
         if not len(times):
-            return np.zeros((0, len(self.markers_), 3))
-        said = covering(phones, float(times.min()), float(times.max()))
-        space = self.speech_.space_
-        components = self.speech_.components(phones, times) + self.residuals_.at(said, times, features)
-        positions = space.decode(components).reshape(len(times), len(self.markers_), 3)
-        held = self.speech_.settings.hold_closures
-        return self.speech_.closure_.hold(positions, phones, times) if held else positions
+            return self.speech_.synthesise(phones, times)
+        said = covering(phones, float(times.min()) - APART, float(times.max()) + APART)
+
+        def answer(instants: Floats) -> Floats:
+            return self.speech_.components(phones, instants) + self.residuals_.at(said, instants, features)
+
+        return self.speech_.finished(answer, phones, times)
 
 
 def learned_residuals(
@@ -124,11 +125,11 @@ def residuals_of(speech: SpeechMotion, residuals: RecordedResiduals, takes: Sequ
         nodes = np.flatnonzero(graph.take_of == number)
         if not len(nodes):
             continue
-        take = trimmed(only_mouth(take))
-        flat = take.markers.positions.reshape(len(take.markers), -1)
-        seen = np.isfinite(flat).all(axis=1)
-        times = take.markers.rate.times(len(flat))[seen]
-        beside = speech.space_.encode(flat[seen]) - speech.components(take.phones, times)
+        take = trimmed(take)
+        rows = speech.mouth_.rows_of(take)
+        seen = np.isfinite(rows).all(axis=1)
+        times = take.markers.rate.times(len(rows))[seen]
+        beside = speech.space_.encode(rows[seen]) - speech.components(take.phones, times)
         at = instants[nodes].ravel()
         columns = [np.interp(at, times, column) for column in beside.T]
         found[nodes] = np.stack(columns, axis=1).reshape(len(nodes), instants.shape[1], -1)

@@ -23,6 +23,7 @@ from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.motion.graph.motion_code import MotionCode
 from mien.motion.graph.recorded_residuals import FitWeights, RecordedResiduals
 from mien.motion.mouth.lip_closure import LipClosure
+from mien.motion.mouth.mouth_space import MouthSpace
 
 __all__ = ["PREFIX", "RecordedSpeech", "graph_arrays", "graph_content", "is_mapped", "mapped_array", "recorded_speech"]
 
@@ -110,7 +111,7 @@ def graph_arrays(recorded: RecordedSpeech) -> Arrays:
 
 
 def recorded_speech(
-    content: Mapping[str, Any], read: Callable[[str], NDArray[Any]], markers: tuple[str, ...], closure: LipClosure
+    content: Mapping[str, Any], read: Callable[[str], NDArray[Any]], mouth: MouthSpace, closure: LipClosure
 ) -> tuple[GraphMotion, RecordedResiduals | None]:
     """The way back.
 
@@ -120,8 +121,8 @@ def recorded_speech(
         As `graph_content` gave it.
     read : callable
         Gives an array of `graph_arrays` by its name.
-    markers : tuple of str
-        Names of the mouth markers.
+    mouth : MouthSpace
+        In what the performer learned.
     closure : LipClosure
         The performer's.
     """
@@ -136,7 +137,7 @@ def recorded_speech(
     weights = given.pop("weights")
     settings = GraphMotionSettings(**given, weights=None if weights is None else SearchWeights(**weights))
     motion = GraphMotion(settings)
-    motion.markers_, motion.steps_, motion.closure_ = markers, steps, closure
+    motion.mouth_, motion.steps_, motion.closure_ = mouth, steps, closure
     motion.code_ = MotionCode(settings.share, settings.seed)
     mean, axes, mixing = (read(PREFIX + name) for name in ("mean", "axes", "mixing"))
     motion.code_.restore(mean, axes, mixing, content["share"])

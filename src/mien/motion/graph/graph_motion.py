@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
-from mien.core.errors import InputError
 from mien.core.timeline import Interval, Tier
-from mien.core.tracks import MarkerTrack
+from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import PAUSE
 from mien.corpus.take import Take
 from mien.motion.graph.candidates import GraphIndex, candidates_for
@@ -33,8 +32,9 @@ from mien.motion.graph.query import SpokenPhones, spoken_phones
 from mien.motion.graph.search import cheapest_nodes
 from mien.motion.graph.smoothing import learned_cut_offs, low_passed
 from mien.motion.graph.sound import SOUND_RATE, heard_features
-from mien.motion.mouth.lip_closure import LipClosure, find_lips
-from mien.motion.mouth.recorded_mouths import only_mouth, recorded_mouths
+from mien.motion.mouth.lip_closure import LipClosure
+from mien.motion.mouth.mouth_space import MouthSpace, mouth_space_of
+from mien.motion.mouth.recorded_mouths import recorded_mouths
 
 __all__ = ["GRID_RATE", "LEARNED_START", "PAPER_WEIGHTS", "GraphMotion", "GraphMotionSettings", "covering", "trimmed"]
 
@@ -69,6 +69,8 @@ class GraphMotionSettings:
         Whether the lips are drawn shut at bilabials after synthesis.
     seed : int
         Of the independent components.
+    learn_in : {"channels", "markers"} or None
+        See `mien.motion.mouth.mouth_space.mouth_space_of`.
     """
 
     share: float = PAPER_SHARE
@@ -77,6 +79,7 @@ class GraphMotionSettings:
     smooth: bool = True
     hold_closures: bool = True
     seed: int = 0
+    learn_in: str | None = None
 
     @classmethod
     def of_the_paper(cls) -> GraphMotionSettings:
@@ -93,9 +96,8 @@ class GraphMotion:
 
     Attributes
     ----------
-    markers_ : tuple of str
-        Names of the mouth markers, in the order of what `synthesise` returns.
-    layout_ : str
+    mouth_ : MouthSpace
+        What `synthesise` returns: markers or channels of the mouth.
     code_ : MotionCode
     graph_ : AnimeGraph
         Snapped to small steps (`compact`).
@@ -112,7 +114,7 @@ class GraphMotion:
         self.settings = settings or GraphMotionSettings()
 
     def fit(self, takes: Sequence[Take], after_trial: Callable[[], None] = lambda: None) -> Self:
-        """Learn from takes; other markers than those of the mouth are left out.
+        """Learn from takes; what does not belong to the mouth is left out.
 
         Parameters
         ----------
@@ -125,14 +127,12 @@ class GraphMotion:
         InputError
             If there is no take, the takes do not share their markers, or none has a frame with speech.
         """
-        if not takes:
-            raise InputError("no take to learn from")
-        takes = [trimmed(only_mouth(take)) for take in takes]
-        mouths = recorded_mouths(takes, MARGIN)
-        self.markers_, self.layout_ = takes[0].markers.names, takes[0].layout
+        self.mouth_: MouthSpace = mouth_space_of(takes, self.settings.learn_in)
+        takes = [trimmed(take) for take in takes]
+        mouths = recorded_mouths(takes, MARGIN, self.mouth_)
         self.code_ = MotionCode(self.settings.share, self.settings.seed)
-        self.code_.fit(np.concatenate([mouth.positions for mouth in mouths]))
-        self.closure_ = LipClosure(find_lips(self.layout_, self.markers_)).fit(mouths)
+        self.code_.fit(np.concatenate([mouth.rows for mouth in mouths]))
+        self.closure_ = LipClosure(self.mouth_).fit(mouths)
         chains = [self._chain(take) for take in takes]
         moves = [chain.motion[np.isfinite(chain.motion).all(axis=1)] for chain in chains]
         self.cut_offs_ = learned_cut_offs([self.code_.separate(move) for move in moves], chains[0].motion_rate.fps)
@@ -141,7 +141,7 @@ class GraphMotion:
             from mien.motion.graph.weight_learning import learn_weights
 
             weights, evenness = learn_weights(self, takes, chains, weights, evenness, after_trial)
-        graph, self.steps_ = snapped_graph(build_graph(chains, len(self.markers_), instants=True))
+        graph, self.steps_ = snapped_graph(build_graph(chains, self.mouth_.points, instants=True))
         return self.restore(graph, weights, evenness)
 
     def restore(self, graph: AnimeGraph, weights: SearchWeights, evenness: float) -> Self:
@@ -151,13 +151,12 @@ class GraphMotion:
         return self
 
     def _chain(self, take: Take) -> RecordedChain:
-        flat = take.markers.positions.reshape(len(take.markers), -1)
         heard = heard_features(take.audio, take.phones)
-        motion = self.code_.encode(flat)
+        motion = self.code_.encode(self.mouth_.rows_of(take))
         return RecordedChain(take.name, take.phones, take.emotion, heard, SOUND_RATE, motion, take.markers.rate)
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
-        """Positions of the mouth markers, by phones and their lengths alone.
+        """The mouth by phones and their lengths alone.
 
         Parameters
         ----------
@@ -168,8 +167,8 @@ class GraphMotion:
 
         Returns
         -------
-        ndarray, shape (frames, markers, 3)
-            Millimetres, in the axes of the takes.
+        ndarray, shape (frames, markers, 3) or (frames, channels)
+            Millimetres in the axes of the takes, or weights 0..1 (`mouth_`).
 
         Raises
         ------
@@ -194,13 +193,13 @@ class GraphMotion:
     def perform_features(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
         """The same by features that were made before (`heard_features`), or by None."""
         if not len(times):
-            return np.zeros((0, len(self.markers_), 3))
+            return self.mouth_.motion_of(np.zeros((0, len(self.code_.mean_))))
         said = covering(phones, float(times.min()), float(times.max()))
         asked, weights = self.asked(said, features)
         nodes, _ = cheapest_nodes(candidates_for(self.index_, asked, weights))
         motion = self.joined(nodes, said, times, features)
-        positions = self.code_.decode(motion).reshape(len(times), len(self.markers_), 3)
-        return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
+        rows = self.code_.decode(motion)
+        return self.mouth_.motion_of(self.closure_.hold(rows, phones, times) if self.settings.hold_closures else rows)
 
     def joined(
         self, nodes: Sequence[int] | NDArray[np.int64], said: Tier, times: Floats, features: Floats | None
@@ -237,8 +236,12 @@ def trimmed(take: Take) -> Take:
         phones=_between(take.phones, begin, end),
         words=_between(take.words, begin, end),
         head=None,
-        channels=None,
+        channels=_rows(take.channels, rows),
     )
+
+
+def _rows(track: ChannelTrack | None, rows: slice) -> ChannelTrack | None:
+    return None if track is None else ChannelTrack(track.names, track.values[rows], track.rate)
 
 
 def _between(tier: Tier, first: float, last: float) -> Tier:

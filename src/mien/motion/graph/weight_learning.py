@@ -19,6 +19,7 @@ from mien.corpus.take import Take
 from mien.motion.graph.costs import SearchWeights
 from mien.motion.graph.graph import RecordedChain, build_graph
 from mien.motion.graph.sound import heard_features
+from mien.motion.mouth.mouth_space import MouthSpace
 
 if TYPE_CHECKING:
     from mien.motion.graph.graph_motion import GraphMotion
@@ -84,11 +85,11 @@ def learn_weights(
         return start.weights, start.evenness
     held = list(range(HELD_OUT // 2, len(takes), HELD_OUT))
     held = held[:: -(-len(held) // MOST_HELD_OUT)]
-    graph = build_graph([c for place, c in enumerate(chains) if place not in held], len(motion.markers_), instants=True)
+    graph = build_graph([c for place, c in enumerate(chains) if place not in held], motion.mouth_.points, instants=True)
     trial = GraphMotion(replace(motion.settings, hold_closures=False))
     trial.code_, trial.cut_offs_, trial.closure_ = motion.code_, motion.cut_offs_, motion.closure_
-    trial.markers_, trial.layout_ = motion.markers_, motion.layout_
-    tests = [_Test.of(takes[place]) for place in held]
+    trial.mouth_ = motion.mouth_
+    tests = [_Test.of(takes[place], motion.mouth_) for place in held]
     free = [name for name in _TRIED if (evenness if name == "evenness" else weights) is None]
 
     done = 0
@@ -133,11 +134,11 @@ class _Test:
     take: Take
     features: Floats
     times: Floats
-    flat: Floats
+    rows: Floats
 
     @classmethod
-    def of(cls, take: Take) -> _Test:
-        flat = take.markers.positions.reshape(len(take.markers), -1)
+    def of(cls, take: Take, mouth: MouthSpace) -> _Test:
+        flat = mouth.rows_of(take)
         times = take.markers.rate.times(len(flat))
         spoken = [phone for phone in take.phones if phone.label != PAUSE]
         kept = np.isfinite(flat).all(axis=1)
@@ -146,8 +147,8 @@ class _Test:
         return cls(take, heard_features(take.audio, take.phones), times[kept], flat[kept])
 
     def missed(self, motion: GraphMotion) -> float:
-        """RMS over markers and frames, mm."""
+        """RMS over the points of the mouth and frames, mm."""
         if not len(self.times):
             return 0.0
-        found = motion.perform_features(self.take.phones, self.times, self.features)
-        return float(np.sqrt(((found.reshape(self.flat.shape) - self.flat) ** 2).mean() * 3))
+        found = motion.mouth_.rows_from(motion.perform_features(self.take.phones, self.times, self.features))
+        return float(np.sqrt(((found - self.rows) ** 2).sum() / len(self.rows) / motion.mouth_.points))

@@ -29,7 +29,8 @@ from mien.face.retargeting import Retargeter, basis_at
 from mien.face.tree_of_face import translations_of, tree_of_face
 from mien.face.tree_posing import TreePoser
 from mien.motion.mouth.learned_mouth import NOT_BY_MARKERS
-from mien.motion.mouth.recorded_mouths import only_mouth, recorded_mouths
+from mien.motion.mouth.mouth_space import MarkerSpace, mouth_space_of
+from mien.motion.mouth.recorded_mouths import recorded_mouths
 
 __all__ = [
     "STAGES",
@@ -176,11 +177,10 @@ def speaking_frames(takes: Sequence[Take]) -> tuple[Floats, tuple[str, ...], str
     """Mouth markers in the frames of speech, (frames, markers, 3), their names, and the layout."""
     if not takes:
         raise InputError("articulation: there are no takes to learn from")
-    kept = [only_mouth(take) for take in takes]
-    recorded = recorded_mouths(kept, _MARGIN)
-    names = kept[0].markers.names
-    positions = np.concatenate([mouth.positions for mouth in recorded]).reshape(-1, len(names), 3)
-    return positions, names, takes[0].layout
+    space = mouth_space_of(takes, MarkerSpace.kind)
+    recorded = recorded_mouths(takes, _MARGIN, space)
+    positions = space.motion_of(np.concatenate([mouth.rows for mouth in recorded]))
+    return positions, space.names, takes[0].layout
 
 
 def held_out_errors(model: ArticulatoryModel, positions: Floats, learned_from: Floats, face: Face) -> dict[str, float]:
@@ -241,8 +241,7 @@ def articulatory_tree(
     Notes
     -----
     Components are spread over the skin by `mien.face.marker_regions`: markers of nose, eyes and upper cheeks hold
-    still, the
-    sides of the jaw follow the mouth's markers. Lower teeth and tongue ride the jaw's rotation. Each mouth channel
+    still, the sides of the jaw follow the mouth's markers. Lower teeth and tongue ride the jaw's rotation. Each mouth channel
     drives the parameters by the scores of the displacement that it gives the markers, so that any performance moves
     the tree.
     """

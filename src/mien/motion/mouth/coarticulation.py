@@ -23,8 +23,9 @@ from mien.motion.em_pca import EMPCA
 from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.influence_curves import Curves, WeightPairs, fit_curves, pool, weights_of
 from mien.motion.mouth.key_visemes import key_shapes
+from mien.motion.mouth.mouth_space import MouthSpace, mouth_space_of
 from mien.motion.mouth.phone_samples import SampledUtterance, areas, sample_phones
-from mien.motion.mouth.recorded_mouths import only_mouth, recorded_mouths
+from mien.motion.mouth.recorded_mouths import recorded_mouths
 
 __all__ = ["Coarticulation", "CoarticulationSettings", "Source", "Step", "blend_weight", "plan"]
 
@@ -60,6 +61,8 @@ class CoarticulationSettings:
         (past the paper: SPEC A18).
     steadiness : float
         How far weights are drawn to those of cosine interpolation (see `weights_of`; past the paper).
+    learn_in : {"channels", "markers"} or None
+        See `mien.motion.mouth.mouth_space.mouth_space_of`.
     """
 
     components: int = 5
@@ -71,6 +74,7 @@ class CoarticulationSettings:
     key_per_phone: bool = False
     class_back_off: bool = False
     steadiness: float = 0.0
+    learn_in: str | None = None
 
     def __post_init__(self) -> None:
         if not (0 < self.blend_mu < 1 and self.blend_n >= 0):
@@ -155,12 +159,14 @@ class Coarticulation:
     Parameters
     ----------
     settings : CoarticulationSettings
-    keys : mapping of str to ndarray of shape (markers, 3), or None
-        Key shapes by viseme class that were made by hand (mm); the others are taken from the recordings.
+    keys : mapping of str to ndarray, or None
+        Key shapes by viseme class that were made by hand: markers (markers, 3) in mm, or weights (channels,); the
+        others are taken from the recordings.
 
     Attributes
     ----------
-    markers_ : tuple of str
+    mouth_ : MouthSpace
+        In what it was learned.
     space_ : EMPCA
     keys_ : dict of str to ndarray, shape (components,)
         By phone.
@@ -179,22 +185,21 @@ class Coarticulation:
         self.given_keys = dict(keys or {})
 
     def fit(self, takes: Sequence[Take]) -> Self:
-        """Learn from takes; other markers than those of the mouth are left out.
+        """Learn from takes; what does not belong to the mouth is left out.
 
         Raises
         ------
         InputError
             If there is no take, the takes do not share their markers, or none has a frame with speech.
         """
-        if not takes:
-            raise InputError("no take to learn from")
-        takes = [only_mouth(take) for take in takes]
-        mouths = recorded_mouths(takes, MARGIN)
+        self.mouth_: MouthSpace = mouth_space_of(takes, self.settings.learn_in)
+        mouths = recorded_mouths(takes, MARGIN, self.mouth_)
         frame_time = 1 / takes[0].markers.rate.fps
-        self.markers_ = takes[0].markers.names
-        self.space_ = EMPCA(self.settings.components).fit(np.concatenate([mouth.positions for mouth in mouths]))
-        said = [sample_phones(mouth, self.space_.encode(mouth.positions), frame_time) for mouth in mouths]
-        given = {name: self.space_.encode(shape.reshape(1, -1))[0] for name, shape in self.given_keys.items()}
+        self.space_ = EMPCA(self.settings.components).fit(np.concatenate([mouth.rows for mouth in mouths]))
+        said = [sample_phones(mouth, self.space_.encode(mouth.rows), frame_time) for mouth in mouths]
+        given = {
+            name: self.space_.encode(self.mouth_.rows_from(shape[None]))[0] for name, shape in self.given_keys.items()
+        }
         self.keys_ = key_shapes(said, self.settings.key_per_phone, given=given)
         self._fit_curves(said)
         return self
@@ -220,7 +225,7 @@ class Coarticulation:
         }
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
-        """Positions of the mouth markers (Algorithm 1), shape (frames, markers, 3), mm.
+        """The mouth (Algorithm 1): positions of its markers, mm, or weights of its channels, as it was learned.
 
         Before the first phone's middle and after the last one's its key shape is held.
 
@@ -241,7 +246,7 @@ class Coarticulation:
             inside = (times >= middles[place]) & (times < middles[place + 1])
             if inside.any():
                 poses[inside] = self._between(step, place, labels, middles, keys, times[inside])
-        return self.space_.decode(poses).reshape(len(times), len(self.markers_), 3)
+        return self.mouth_.motion_of(self.space_.decode(poses))
 
     def _between(
         self, step: Step, place: int, labels: Sequence[str], middles: Floats, keys: Floats, times: Floats

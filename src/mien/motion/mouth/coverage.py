@@ -8,9 +8,10 @@ from itertools import pairwise
 from typing import Literal, Self
 
 from mien.core.timeline import Tier
+from mien.core.utterance import PAUSE
 from mien.motion.mouth.articulation import articulation_table
 
-__all__ = ["Coverage", "Evidence"]
+__all__ = ["Coverage", "Evidence", "heard_phones"]
 
 Evidence = Literal["triphone", "diphone", "class", "none"]
 """What a pair of phones rests on; ``none``: neither it nor a pair that looks alike was met often enough."""
@@ -77,3 +78,16 @@ class Coverage:
         if self.classes_.get((viseme(pair[0]), viseme(pair[1])), 0) >= self.least:
             return "class"
         return "none"
+
+
+def heard_phones(coverage: Coverage) -> dict[str, int]:
+    """How often each of the 39 phones was heard in learning; the pause is left out.
+
+    Counted from the pairs: as often as a phone begins one or ends one, whichever is more.
+    """
+    first: Counter[str] = Counter()
+    second: Counter[str] = Counter()
+    for (a, b), count in coverage.diphones_.items():
+        first[a] += count
+        second[b] += count
+    return {phone: max(first[phone], second[phone]) for phone in articulation_table().parts if phone != PAUSE}

@@ -7,6 +7,7 @@ key shapes"), used for everything. The key shapes and their timing rules are aut
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -141,6 +142,28 @@ class AuthoredMouth:
         weighed = [np.append(key.shape * key.seal, key.seal) for key in keys]
         motion = _interpolated(keys, utterance, rate, weighed)
         return motion[:, -1], motion[:, :-1]
+
+    def share_of(self, utterance: Utterance, rate: FrameRate, chosen: Sequence[bool]) -> Floats:
+        """How much of the mouth belongs to some of the phones: 1 at their key shapes, 0 at those of others.
+
+        Parameters
+        ----------
+        utterance : Utterance
+        rate : FrameRate
+        chosen : sequence of bool
+            For each phone.
+
+        Returns
+        -------
+        ndarray, shape (frames,)
+        """
+        if not any(chosen):
+            return np.zeros(rate.frames_covering(utterance.duration))
+        keys = self._keys(utterance, rate)
+        starts = [phone.start for phone in utterance.phones]
+        places = np.searchsorted(starts, [(key.start + key.end) / 2 for key in keys], side="right") - 1
+        weights = [np.array([float(place >= 0 and chosen[place])]) for place in places]
+        return _interpolated(keys, utterance, rate, weights)[:, 0]
 
     def _keys(self, utterance: Utterance, rate: FrameRate) -> list[_Key]:
         shortest_seal = max(SHORTEST_SEAL, 1.01 / rate.fps)

@@ -8,18 +8,17 @@ closed in the recordings, as far as they closed there and no further, and only i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.layouts import load_layout
 from mien.core.poses import read_table
 from mien.core.timeline import Tier
+from mien.motion.mouth.mouth_space import MouthSpace
 from mien.motion.mouth.recorded_mouths import RecordedMouth
 
-__all__ = ["LipClosure", "LipPlaces", "find_lips"]
+__all__ = ["LipClosure"]
 
 HOLD = 0.022
 """Seconds to each side of the instant of closure for which it is held: at least one frame at 25 frames per second."""
@@ -31,41 +30,9 @@ QUARTILE = 75.0
 """Per cent of recorded closures at which the lips came at least as close as they are drawn here."""
 NEARLY_SHUT = 5.0
 """Millimetres of lip opening below which frames tell the direction in which lips close."""
+_STEPS = 4  # distances and bounds are not linear in the shift: a few steps bring it home
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class LipPlaces:
-    """Where the lips are among markers.
-
-    Attributes
-    ----------
-    opening : tuple of (int, int), or None
-        Middles of the upper and the lower lip; None if the markers lack them.
-    facing : tuple of (int, int)
-        Points of the inner upper lip and those of the lower lip under them.
-    """
-
-    opening: tuple[int, int] | None
-    facing: tuple[tuple[int, int], ...]
-
-
-def find_lips(layout: str, names: Sequence[str]) -> LipPlaces:
-    """Find the lips among the markers of a layout.
-
-    Examples
-    --------
-    >>> find_lips("mpeg4-32", ("8.1", "8.2", "8.3"))
-    LipPlaces(opening=(0, 1), facing=())
-    """
-    table = read_table("lips.toml")
-    place = {name: number for number, name in enumerate(names)}
-    landmarks = load_layout(layout).landmarks
-    opening = next(((place[a], place[b]) for a, b in table["opening"]["choices"] if a in place and b in place), None)
-    named = [(landmarks.get(a, ""), landmarks.get(b, "")) for a, b in table["facing"]["mediapipe"]]
-    named += [(a, b) for a, b in table["facing"]["mpeg4"] if (a, b) not in named]
-    return LipPlaces(opening, tuple((place[a], place[b]) for a, b in named if a in place and b in place))
 
 
 class LipClosure:
@@ -73,12 +40,13 @@ class LipClosure:
 
     Parameters
     ----------
-    lips : LipPlaces
+    space : MouthSpace
+        What the rows are.
 
     Attributes
     ----------
-    closing_ : ndarray, shape (markers, 3)
-        How the mouth moves per millimetre that the lips part.
+    closing_ : ndarray, shape (columns,)
+        How a row changes per millimetre that the lips part; empty if the middles of the lips are not known.
     apart_ : dict of str to float
         Most lip opening for each kind of seal, mm.
     delay_ : dict of str to float
@@ -86,49 +54,48 @@ class LipClosure:
         shut where the model brings them closest.
     """
 
-    def __init__(self, lips: LipPlaces) -> None:
-        self.lips = lips
+    def __init__(self, space: MouthSpace) -> None:
+        self.space = space
         self.seals: dict[str, str] = {
             p: kind for kind, phones in read_table("lips.toml")["seals"].items() for p in phones
         }
 
     def fit(self, mouths: Sequence[RecordedMouth]) -> Self:
-        """Learn from recorded mouths; without markers in the middle of the lips nothing is learned and nothing held."""
-        self.closing_, self.apart_, self.delay_ = np.zeros((0, 3)), {}, {}
-        if self.lips.opening is None:
+        """Learn from recorded mouths; without the middles of the lips nothing is learned and nothing held."""
+        self.closing_, self.apart_, self.delay_ = np.zeros(0), {}, {}
+        rows = np.concatenate([mouth.rows for mouth in mouths])
+        opening = self.space.opening_of(rows)
+        if opening is None:
             return self
         least: dict[str, list[tuple[float, float]]] = {}
         for mouth in mouths:
             for kind, narrowest, delay in self._closures(mouth):
                 least.setdefault(kind, []).append((narrowest, delay))
         for kind, found in sorted(least.items()):
-            self.apart_[kind] = float(np.percentile([narrowest for narrowest, _ in found], QUARTILE))
+            self.apart_[kind] = max(float(np.percentile([narrowest for narrowest, _ in found], QUARTILE)), 0.0)
             self.delay_[kind] = float(np.median([delay for _, delay in found]))
-        poses = np.concatenate([mouth.positions for mouth in mouths]).reshape(-1, mouths[0].positions.shape[1] // 3, 3)
-        opening = self._opening(poses)
         near = opening < max(NEARLY_SHUT, float(np.percentile(opening, 25)))
         part = opening[near] - opening[near].mean()
-        self.closing_ = np.tensordot(part, poses[near] - poses[near].mean(axis=0), axes=1) / max(part @ part, 1e-9)
+        self.closing_ = part @ (rows[near] - rows[near].mean(axis=0)) / max(float(part @ part), 1e-9)
         return self
 
-    def hold(self, positions: Floats, phones: Tier, times: Floats) -> Floats:
-        """Draw the lips together where they must be shut; shape (frames, markers, 3), mm, in and out."""
-        positions = positions.copy()
-        if self.apart_ and self.lips.opening is not None:
-            opening = self._opening(positions)
+    def hold(self, rows: Floats, phones: Tier, times: Floats) -> Floats:
+        """Draw the lips together where they must be shut; shape (frames, columns), in and out."""
+        rows = rows.copy()
+        opening = self.space.opening_of(rows)
+        if self.apart_ and opening is not None:
             for phone in phones:
                 kind = self.seals.get(phone.label, "")
                 reach = max(phone.duration / 2, SHORTEST_REACH)
                 near = np.flatnonzero(np.abs(times - phone.middle - self.delay_.get(kind, 0.0)) <= reach)
                 if kind in self.apart_ and len(near):
                     closest = times[near[opening[near].argmin()]]
-                    self._draw_together(positions, _fade(np.abs(times - closest)), self.apart_[kind])
-        self._part_facing(positions)
-        return positions
+                    self._draw_together(rows, _fade(np.abs(times - closest)), self.apart_[kind])
+        return self.space.parted(rows, self.closing_)
 
     def _closures(self, mouth: RecordedMouth) -> list[tuple[str, float, float]]:
         """Kind, least opening and its time from the middle, of each seal inside speech."""
-        opening = self._opening(mouth.positions.reshape(len(mouth.times), -1, 3))
+        opening = self._opening(mouth.rows)
         found = []
         for before, phone, after in zip(
             mouth.phones, mouth.phones.intervals[1:], mouth.phones.intervals[2:], strict=False
@@ -140,24 +107,18 @@ class LipClosure:
                 found.append((kind, float(opening[least]), float(mouth.times[least] - phone.middle)))
         return found
 
-    def _opening(self, positions: Floats) -> Floats:
-        upper, lower = self.lips.opening or (0, 0)
-        return np.asarray(np.linalg.norm(positions[:, upper] - positions[:, lower], axis=1))
+    def _opening(self, rows: Floats) -> Floats:
+        found = self.space.opening_of(rows)
+        return np.zeros(len(rows)) if found is None else found
 
-    def _draw_together(self, positions: Floats, strength: Floats, apart: float) -> None:
+    def _draw_together(self, rows: Floats, strength: Floats, apart: float) -> None:
         """Close along the learned way where the lips stand wider than ``apart``: by ``strength`` of the excess."""
         touched = np.flatnonzero(strength > 0)
-        for _ in range(4):  # the distance is not linear in the shift: a few steps bring it home
-            excess = np.maximum(self._opening(positions[touched]) - apart, 0.0)
-            positions[touched] -= (strength[touched] * excess)[:, None, None] * self.closing_
+        for _ in range(_STEPS):
+            here = self.space.rows_from(self.space.motion_of(rows[touched]))
+            excess = np.maximum(self._opening(here) - apart, 0.0)
+            rows[touched] = here - (strength[touched] * excess)[:, None] * self.closing_
             strength = np.where(strength >= 1, 1.0, 0.0)  # the flanks are moved once, the hold until it is shut
-
-    def _part_facing(self, positions: Floats) -> None:
-        """Where an inner upper lip is below the lower lip, both meet half-way (y points up)."""
-        for upper, lower in self.lips.facing:
-            through = np.maximum(positions[:, lower, 1] - positions[:, upper, 1], 0.0) / 2
-            positions[:, upper, 1] += through
-            positions[:, lower, 1] -= through
 
 
 def _fade(distance: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What a model of the speaking mouth is: phones in, markers out; some listen to the sound too."""
+"""What a model of the speaking mouth is: phones in, the mouth in motion out; some listen to the sound too."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.timeline import Tier
+from mien.motion.mouth.mouth_space import MouthSpace
 
 __all__ = ["HearingModel", "SpeechModel", "synthesise"]
 
@@ -16,14 +17,14 @@ Floats = NDArray[np.float64]
 
 
 class SpeechModel(Protocol):
-    """A fitted model that knows which markers it moves."""
+    """A fitted model that knows what it moves."""
 
     @property
-    def markers_(self) -> tuple[str, ...]:
-        """Names of the markers, in the order in which it gives them."""
+    def mouth_(self) -> MouthSpace:
+        """Channels or markers, in the order in which it gives them."""
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
-        """Positions of those markers at the given times, shape (frames, markers, 3), mm."""
+        """Weights (frames, channels), 0..1, or positions (frames, markers, 3), mm, at the given times."""
 
 
 @runtime_checkable

@@ -1,7 +1,8 @@
-"""`SpeechMotion`: phones in, mouth markers out; the learned mouth that ships.
+"""`SpeechMotion`: phones in, the mouth in motion out; the learned mouth that ships.
 
 Influence curves (`influence`) carry the motion and can be looked at and edited; a small network (`correction`) adds a
-share of the difference between its own answer and theirs; closures are then held (`lip_closure`). On words that were
+share of the difference between its own answer and theirs; the motion is made as large and as quick as recorded
+(`mien.motion.mouth.spread`); closures are then held (`lip_closure`). On words that were
 never learned the two together are better than either alone (docs/results.md).
 """
 
@@ -23,8 +24,10 @@ from mien.motion.mouth.articulation import articulation_table, parts_of
 from mien.motion.mouth.correction import Correction, CorrectionSettings
 from mien.motion.mouth.coverage import Coverage, Evidence
 from mien.motion.mouth.influence import REFERENCE_DURATION, InfluenceCurves, InfluenceSettings, describe_parts
-from mien.motion.mouth.lip_closure import LipClosure, LipPlaces, find_lips
-from mien.motion.mouth.recorded_mouths import only_mouth, recorded_mouths
+from mien.motion.mouth.lip_closure import LipClosure
+from mien.motion.mouth.mouth_space import MouthSpace, mouth_space_of
+from mien.motion.mouth.recorded_mouths import RecordedMouth, recorded_mouths
+from mien.motion.mouth.spread import RecordedSpread, instants_about
 
 __all__ = ["SpeechMotion", "SpeechMotionSettings"]
 
@@ -33,6 +36,8 @@ MARGIN = 0.32
 with nothing but silence about them and shuts the mouth in long pauses. (0.12 s scores 0.01 mm better on unseen takes
 and leaves the lips 2 mm apart in a pause.)"""
 
+SPREAD_TAKES = 200
+"""Takes on which the size of the motion is measured, at most."""
 BLOCK = 4096
 """Frames that are synthesised at once, which bounds the memory."""
 
@@ -47,20 +52,23 @@ class SpeechMotionSettings:
     ----------
     components : int
         Dimensions of the pose space.
-    lip_emphasis : float
-        How much more the inner lips' motion up and down counts in learning than any other motion.
     correction_share : float
         Weight of the network against the influence curves, 0..1; 0 leaves the explicit curves alone.
     hold_closures : bool
         Whether the lips are drawn shut at bilabials after synthesis.
+    as_recorded : bool
+        Whether the motion is made as large and as quick as recorded (`mien.motion.mouth.spread`).
+    learn_in : {"channels", "markers"} or None
+        See `mien.motion.mouth.mouth_space.mouth_space_of`.
     influence : InfluenceSettings
     correction : CorrectionSettings
     """
 
     components: int = 8
-    lip_emphasis: float = 1.5
     correction_share: float = 0.65
     hold_closures: bool = True
+    as_recorded: bool = True
+    learn_in: str | None = None
     influence: InfluenceSettings = field(default_factory=InfluenceSettings)
     correction: CorrectionSettings = field(default_factory=CorrectionSettings)
 
@@ -74,14 +82,14 @@ class SpeechMotion:
 
     Attributes
     ----------
-    markers_ : tuple of str
-        Names of the mouth markers, in the order of what `synthesise` returns.
-    layout_ : str
-        Marker layout of the takes.
+    mouth_ : MouthSpace
+        What `synthesise` returns: channels or markers of the mouth.
     space_ : EMPCA
     curves_ : InfluenceCurves
     correction_ : Correction or None
         None if its share is 0.
+    spread_ : RecordedSpread or None
+        None if the motion is left as the models answer.
     closure_ : LipClosure
     coverage_ : Coverage
     edits_ : dict of str to ndarray, shape (parts, strands)
@@ -100,7 +108,7 @@ class SpeechMotion:
         return self.settings.influence.epochs + networks * correction.epochs
 
     def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
-        """Learn from takes; other markers than those of the mouth are left out.
+        """Learn from takes; what does not belong to the mouth is left out.
 
         Parameters
         ----------
@@ -113,15 +121,11 @@ class SpeechMotion:
         InputError
             If there is no take, the takes do not share their markers, or none has a frame with speech.
         """
-        if not takes:
-            raise InputError("no take to learn from")
-        takes = [only_mouth(take) for take in takes]
-        mouths = recorded_mouths(takes, MARGIN)
-        self.markers_, self.layout_ = takes[0].markers.names, takes[0].layout
-        lips = find_lips(self.layout_, self.markers_)
-        positions = np.concatenate([mouth.positions for mouth in mouths])
-        self.space_ = EMPCA(self.settings.components).fit(positions, self._emphasis(lips))
-        components = self.space_.encode(positions)
+        self.mouth_: MouthSpace = mouth_space_of(takes, self.settings.learn_in)
+        mouths = recorded_mouths(takes, MARGIN, self.mouth_)
+        rows = np.concatenate([mouth.rows for mouth in mouths])
+        self.space_ = EMPCA(self.settings.components).fit(rows, self.mouth_.emphasis())
+        components = self.space_.encode(rows)
         curves = InfluenceCurves(self.settings.influence)
         self.curves_ = curves.fit(
             [curves.place(mouth.phones, mouth.times) for mouth in mouths], components, after_epoch
@@ -131,20 +135,20 @@ class SpeechMotion:
             correction = Correction(self.settings.correction)
             seen = np.concatenate([correction.describe(m.phones, m.times).astype(np.float32) for m in mouths])
             self.correction_ = correction.fit(seen, components, after_epoch)
-        self.closure_ = LipClosure(lips).fit(mouths)
+        self.spread_ = self._spread_of(mouths) if self.settings.as_recorded else None
+        self.closure_ = LipClosure(self.mouth_).fit(mouths)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
         return self
 
-    def _emphasis(self, lips: LipPlaces) -> Floats:
-        """How much each coordinate counts, shape (markers * 3,)."""
-        emphasis = np.ones((len(self.markers_), 3))
-        emphasis[[place for pair in (*lips.facing, lips.opening) if pair for place in pair], 1] = (
-            self.settings.lip_emphasis
-        )
-        return emphasis.ravel()
+    def _spread_of(self, mouths: Sequence[RecordedMouth]) -> RecordedSpread:
+        """Gain and sharpness, from no more than `SPREAD_TAKES` takes."""
+        chosen = mouths[:: -(-len(mouths) // SPREAD_TAKES)]
+        recorded = [self.space_.encode(mouth.rows) for mouth in chosen]
+        answered = [self.components(mouth.phones, instants_about(mouth.times)) for mouth in chosen]
+        return RecordedSpread().fit(recorded, answered)
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
-        """Positions of the mouth markers.
+        """The mouth in motion.
 
         Parameters
         ----------
@@ -155,8 +159,8 @@ class SpeechMotion:
 
         Returns
         -------
-        ndarray, shape (frames, markers, 3)
-            Millimetres, in the axes of the takes.
+        ndarray, shape (frames, channels) or (frames, markers, 3)
+            Weights 0..1, or millimetres in the axes of the takes (`mouth_`).
 
         Raises
         ------
@@ -164,8 +168,29 @@ class SpeechMotion:
             If a label is no phone.
         """
         times = np.asarray(times, dtype=np.float64)
-        positions = self.space_.decode(self.components(phones, times)).reshape(len(times), len(self.markers_), 3)
-        return self.closure_.hold(positions, phones, times) if self.settings.hold_closures else positions
+        return self.finished(lambda instants: self.components(phones, instants), phones, times)
+
+    def finished(
+        self,
+        answer: Callable[[Floats], Floats],
+        phones: Tier,
+        times: Floats,
+        spread: RecordedSpread | None = None,
+    ) -> Floats:
+        """From components to the mouth in motion: as large and as quick as recorded, closures held.
+
+        Parameters
+        ----------
+        answer : callable
+            Components at given instants.
+        phones, times
+            As in `synthesise`.
+        spread : RecordedSpread or None
+            None takes the model's own.
+        """
+        spread = spread or self.spread_
+        rows = self.space_.decode(answer(times) if spread is None else spread.of(answer, times))
+        return self.mouth_.motion_of(self.closure_.hold(rows, phones, times) if self.settings.hold_closures else rows)
 
     def components(self, phones: Tier, times: Floats) -> Floats:
         """Components of the pose in `space_`, closures not held, shape (frames, components)."""
@@ -199,16 +224,16 @@ class SpeechMotion:
         return self.coverage_.of_pairs([phone.label for phone in phones])
 
     def key_shapes(self, phone: str, duration: float = REFERENCE_DURATION) -> Floats:
-        """Where a phone pulls the mouth: one shape for each of its parts, shape (parts, markers, 3), mm."""
+        """Where a phone pulls the mouth: for each of its parts a frame as `synthesise` gives them."""
         symbols = np.array(articulation_table().parts[phone])
         described = describe_parts(symbols, np.full(len(symbols), duration), self.settings.influence.phone_weight)
         targets = self.curves_.curves(described)[:, 0]
         if phone in self.edits_:
             targets = targets + self.edits_[phone]
-        return self.space_.decode(targets @ self.curves_.shapes_).reshape(len(symbols), -1, 3)
+        return self.mouth_.motion_of(self.space_.decode(targets @ self.curves_.shapes_))
 
     def with_key_shape(self, phone: str, shapes: Floats) -> SpeechMotion:
-        """The same model with the target of a phone moved to given shapes, shape (parts, markers, 3), mm.
+        """The same model with the target of a phone moved to given shapes, as `key_shapes` gives them.
 
         What lies outside the pose space is lost; the influence curves stay as they are.
         """
@@ -216,7 +241,7 @@ class SpeechMotion:
         now = self.key_shapes(phone)
         if wanted.shape != now.shape:
             raise InputError(f"the key shapes of {phone} have shape {now.shape}, not {wanted.shape}")
-        flat = [self.space_.encode(shapes.reshape(len(now), -1)) for shapes in (wanted, now)]
+        flat = [self.space_.encode(self.mouth_.rows_from(shapes)) for shapes in (wanted, now)]
         change = (flat[0] - flat[1]) @ np.linalg.pinv(self.curves_.shapes_)
         edited = copy(self)
         edited.edits_ = self.edits_ | {phone: self.edits_.get(phone, 0.0) + change}
