@@ -164,7 +164,7 @@ def test_the_combination_follows_the_curves_where_it_has_no_recording(both, reco
     times = np.array([0.25])
     bare = both.speech_.synthesise(never, times)
     assert np.abs(both.synthesise(never, times) - bare).max() < 0.7
-    assert both.markers_ == SpeechMotion(SMALL).fit(recorded[:3]).markers_
+    assert both.mouth_.names == SpeechMotion(SMALL).fit(recorded[:3]).mouth_.names
 
 
 def test_quiet_and_short_sounds_are_heard(graph, both, recorded):

@@ -13,7 +13,7 @@ from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.coarticulation import CoarticulationSettings
 from mien.motion.mouth.correction import CorrectionSettings
 from mien.motion.mouth.influence import InfluenceSettings
-from mien.motion.mouth.lip_closure import find_lips
+from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import load_learned, save_learned
 from tests.motion.speaking import NAMES, take, takes, tier
@@ -83,10 +83,11 @@ def test_inner_lips_never_pass_through_each_other(model):
     random = np.random.default_rng(0)
     for said in takes(10, seed=77):
         wild = said.markers.positions + random.standard_normal(said.markers.positions.shape)
-        held = model.closure_.hold(wild, said.phones, said.markers.rate.times(len(wild)))
-        for upper, lower in model.closure_.lips.facing:
+        rows = model.closure_.hold(model.mouth_.rows_from(wild), said.phones, said.markers.rate.times(len(wild)))
+        held = model.mouth_.motion_of(rows)
+        for upper, lower in model.mouth_.facing:
             assert (held[:, upper, 1] >= held[:, lower, 1] - 1e-9).all()
-    assert model.closure_.lips.facing == ((8, 9), (0, 1))
+    assert model.mouth_.facing == ((8, 9), (0, 1))
 
 
 def test_the_mouth_rests_in_long_pauses():
@@ -104,8 +105,8 @@ def test_the_mouth_rests_in_long_pauses():
 
 
 def test_lips_are_found_by_name():
-    assert find_lips("mediapipe-218", NAMES).opening == (0, 1)
-    assert find_lips("mpeg4-32", ("8.3", "8.4")).opening is None
+    assert MarkerSpace("mediapipe-218", NAMES).opening == (0, 1)
+    assert MarkerSpace("mpeg4-32", ("8.3", "8.4")).opening is None
 
 
 def test_markers_without_lips_are_learned_and_nothing_is_held(recorded):
@@ -129,7 +130,7 @@ def test_only_the_mouth_is_learned(recorded):
         )
         for t in recorded[:6]
     ]
-    assert SpeechMotion(SMALL).fit(more).markers_ == NAMES
+    assert SpeechMotion(SMALL).fit(more).mouth_.names == NAMES
 
 
 def test_an_edited_key_shape_shows_in_full(model):
@@ -150,7 +151,9 @@ def test_an_edited_key_shape_shows_in_full(model):
 
 
 def test_without_correction_the_curves_stand_alone(recorded):
-    alone = SpeechMotion(replace(SMALL, correction_share=0.0, hold_closures=False)).fit(recorded[:10])
+    alone = SpeechMotion(replace(SMALL, correction_share=0.0, hold_closures=False, as_recorded=False)).fit(
+        recorded[:10]
+    )
     assert alone.correction_ is None
     curves = alone.curves_.components(alone.curves_.place(EVERY_PHONE, TIMES))
     expected = alone.space_.decode(curves).reshape(-1, 12, 3)
@@ -203,7 +206,7 @@ def test_a_saved_performer_moves_bit_for_bit_as_before(learned, tmp_path):
         assert np.array_equal(mine.synthesise(EVERY_PHONE, TIMES), theirs.synthesise(EVERY_PHONE, TIMES))
         assert mine.evidence(EVERY_PHONE) == theirs.evidence(EVERY_PHONE)
         assert mine.settings == theirs.settings
-        assert mine.markers_ == theirs.markers_
+        assert mine.mouth_.names == theirs.mouth_.names
     assert again.name == "made up"
     assert again.about == {"licence": "none"}
     assert again.trained_on == learned.trained_on
@@ -223,8 +226,8 @@ def test_files_that_are_no_performer_are_refused(learned, tmp_path):
     with pytest.raises(InputError, match="no performer, or damaged"):
         load_learned(tmp_path / "text.mien")
     with zipfile.ZipFile(tmp_path / "newer.mien", "w") as archive:
-        archive.writestr("performer.json", '{"format": "mien-performer", "version": 4}')
-    with pytest.raises(InputError, match="expected mien-performer 3, found mien-performer 4"):
+        archive.writestr("performer.json", '{"format": "mien-performer", "version": 5}')
+    with pytest.raises(InputError, match="expected mien-performer 4, found mien-performer 5"):
         load_learned(tmp_path / "newer.mien")
     save_learned(learned, tmp_path / "cut.mien")
     (tmp_path / "cut.mien").write_bytes((tmp_path / "cut.mien").read_bytes()[:5000])

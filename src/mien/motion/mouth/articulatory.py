@@ -241,9 +241,9 @@ def articulatory_tree(
     Notes
     -----
     Components are spread over the skin by `mien.face.marker_regions`: markers of nose, eyes and upper cheeks hold
-    still, the sides of the jaw follow the mouth's markers. Lower teeth and tongue ride the jaw's rotation. Each mouth channel
-    drives the parameters by the scores of the displacement that it gives the markers, so that any performance moves
-    the tree.
+    still, the sides of the jaw follow the mouth's markers. Lower teeth and tongue ride the jaw's rotation. Each mouth
+    channel drives the parameters by the scores of the displacement that it gives the markers, so that any performance
+    moves the tree.
     """
     bare = replace(
         face,

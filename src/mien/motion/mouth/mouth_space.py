@@ -112,7 +112,7 @@ class MarkerSpace:
 
     def rows_from(self, motion: Floats) -> Floats:
         """Positions as rows."""
-        return motion.reshape(len(motion), -1)
+        return motion.reshape(len(motion), 3 * self.points)
 
     def opening_of(self, rows: Floats) -> Floats | None:
         """Distance of the middles of the lips, mm."""
