@@ -28,7 +28,10 @@ def told(learned) -> str:
 def test_summary_says_what_was_learned():
     text = told(small_performer())
     assert "performer           small\nlicence             CC0 1.0\n" in text
-    assert "layout              mediapipe-218, 12 markers of the mouth\nlearned from        30 takes\n" in text
+    assert (
+        "learned in          12 markers of the mouth\nlayout              mediapipe-218\nlearned from        30 takes\n"
+        in text
+    )
     assert "phones              37 of 39 heard\n" in text
     assert "never heard         OY (class round_open), ZH (class round_hiss)\n" in text
     assert "correction_share 0.5, hold_closures yes" in text

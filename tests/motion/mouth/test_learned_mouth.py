@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mien.capture.layouts import load_layout
 from mien.core import channels
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.motion.mouth.learned_mouth import LearnedMouth
+from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performers import known_performers, load_learned_performer, load_performer
 from mien.text.normalisation import pronounce_text
 from mien.text.phones import phone_table
@@ -61,13 +61,6 @@ def test_the_sentences_hold_every_phone() -> None:
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_inner_lips_never_pass_through_each_other(mouth: LearnedMouth, sentence: str) -> None:
     motion = mouth.perform(utterance(*phones_of(sentence)), RATE)
-    assert motion.markers is not None
-    layout = load_layout(mouth.learned.motion.layout_)
-    names = motion.markers.names
-    for upper, lower in ((13, 14), (82, 87), (312, 317), (81, 178), (311, 402)):
-        above, below = (names.index(layout.landmarks[mark]) for mark in (upper, lower))
-        gap = motion.markers.positions[:, above, 1] - motion.markers.positions[:, below, 1]
-        assert gap.min() >= -1e-6
     face = load_face("default")
     poser = Poser(face, channels.ALL)
     for row in motion.values:
@@ -87,16 +80,21 @@ def test_weights_are_in_range_for_any_phones(mouth: LearnedMouth) -> None:
     assert not motion.values[:, still].any()
 
 
-def test_the_share_of_key_shapes_runs_from_markers_alone_to_key_shapes_alone() -> None:
-    learned = load_learned_performer("default")
-    line = utterance(("SIL", 0.2), ("AA", 0.2), ("T", 0.1), ("UW", 0.2), ("SIL", 0.2))
-    own, keyed = (LearnedMouth(learned, key_shape_share=share).perform(line, RATE) for share in (0.0, 1.0))
-    mixed = LearnedMouth(learned, key_shape_share=0.25).perform(line, RATE)
+def test_hand_made_shapes_serve_only_what_was_never_recorded(mouth: LearnedMouth) -> None:
+    assert set(mouth.hand_made_phones) == {"ER", "NG", "OY", "SH", "UH", "ZH"}
+    line = utterance(
+        ("SIL", 0.2), ("AA", 0.2), ("T", 0.1), ("UW", 0.2), ("T", 0.1), ("SH", 0.3), ("AA", 0.2), ("SIL", 0.2)
+    )
+    motion = mouth.perform(line, RATE)
+    times = RATE.times(len(motion.values))
+    own = mouth.on_face(synthesise(mouth.speech, line.phones, times, line.audio), RATE)
+    by_hand = mouth.authored.perform(line, RATE).values
     tongue = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
     lips = [i for i in range(len(channels.ALL)) if i not in tongue]
-    assert mixed.values[:, lips] == pytest.approx((0.75 * own.values + 0.25 * keyed.values)[:, lips])
-    pucker = channels.ALL.index("mouthPucker")
-    assert keyed.values[:, pucker].max() > own.values[:, pucker].max()
+    recorded, unheard = times < 0.75, np.abs(times - 0.95) < 0.02
+    assert motion.values[recorded][:, lips] == pytest.approx(own[recorded][:, lips])
+    assert motion.values[unheard] == pytest.approx(by_hand[unheard], abs=1e-6)
+    assert motion.values[:, tongue] == pytest.approx(by_hand[:, tongue])
 
 
 def test_vowels_open_and_rounded_vowels_narrow_the_mouth(mouth: LearnedMouth) -> None:
@@ -108,10 +106,8 @@ def test_vowels_open_and_rounded_vowels_narrow_the_mouth(mouth: LearnedMouth) ->
 
 def test_what_is_out_of_range_or_unknown_is_refused() -> None:
     learned = load_learned_performer("default")
-    with pytest.raises(InputError, match="from 0 to 1"):
-        LearnedMouth(learned, key_shape_share=2)
-    with pytest.raises(InputError, match="above 0"):
-        LearnedMouth(learned, clarity=0)
+    with pytest.raises(InputError, match="unknown speech model"):
+        LearnedMouth(learned, speech_model="mumbling")
     with pytest.raises(InputError, match="did you mean 'default'"):
         load_performer("defualt")
     with pytest.raises(InputError, match=r"nobody\.mien"):

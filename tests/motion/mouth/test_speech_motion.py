@@ -13,7 +13,7 @@ from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.coarticulation import CoarticulationSettings
 from mien.motion.mouth.correction import CorrectionSettings
 from mien.motion.mouth.influence import InfluenceSettings
-from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
+from mien.motion.mouth.mouth_space import MarkerSpace
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import load_learned, save_learned
 from tests.motion.speaking import NAMES, take, takes, tier
