@@ -120,6 +120,7 @@ def animate(
     text: str | Path | Script | None = None,
     language: str | Path | None = None,
     song: bool = False,
+    tiers: Sequence[str] = (),
     emotion: Emotions = None,
     effort: Effort = None,
     fps: Rate = DEFAULT_FPS,
@@ -139,12 +140,14 @@ def animate(
         A sound file, a video with a sound track, or samples.
     text : str, Path, Script or None
         What is said, or a file that holds it; with tags as for `say`. Without it phones are recognised, which is
-        approximate.
+        approximate. A ``.TextGrid`` gives words and phones with their times, which are kept as they are.
     language : str, Path or None
         What is spoken: a tag such as ``"fi"``, or a phone map in a file; None: English.
     song : bool
         Whether it is a song and the text its lyrics: aligned with held notes and a band behind the voice, and sung by
         the face (``docs/song.md``).
+    tiers : sequence of str
+        Names of the tiers of words and of phones in a TextGrid, where they are not called ``words`` and ``phones``.
     emotion
         As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
         (``docs/emotion.md``), neutral where it is not sure.
@@ -169,7 +172,9 @@ def animate(
         score, note = score_with_voice(score, audio)
         performer.expression.check(score)
         notes = (*read, note)
-    spoken = spoken_recording(audio, performer, text=text, language=language, song=song, commands=commands, notes=notes)
+    spoken = spoken_recording(
+        audio, performer, text=text, language=language, song=song, tiers=tiers, commands=commands, notes=notes
+    )
     score, spoken = with_heard_effort(score, spoken)
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
@@ -237,16 +242,22 @@ def read_motion(motion: str | Path | Animation, fps: Rate | None = None) -> Anim
 
 
 def align(
-    audio: str | Path | Audio, text: str | Path, *, language: str | Path | None = None, song: bool = False
+    audio: str | Path | Audio,
+    text: str | Path,
+    *,
+    language: str | Path | None = None,
+    song: bool = False,
+    tiers: Sequence[str] = (),
 ) -> Utterance:
     """Find when each word and phone of a text is said in a sound (forced alignment).
 
     ``language`` is a tag such as ``"fi"`` or a phone map in a file (``docs/languages.md``); None: English.
-    ``song``: the sound is a song and the text its lyrics (``docs/song.md``).
+    ``song``: the sound is a song and the text its lyrics (``docs/song.md``). A text that is a ``.TextGrid`` gives words
+    and phones with their times (``tiers`` names its tiers): phones of words alone are aligned inside them.
 
     Raises
     ------
     InputError
         If sound or text cannot be read, or cannot be brought together.
     """
-    return heard(audio, text, language, song)
+    return heard(audio, text, language, song, tiers)

@@ -133,7 +133,12 @@ def _parser() -> argparse.ArgumentParser:
 
     animate = commands.add_parser("animate", help="perform recorded speech")
     animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
-    animate.add_argument("--text", metavar="FILE_OR_TEXT", help="what is said; without it phones are recognised")
+    animate.add_argument(
+        "--text",
+        metavar="FILE_OR_TEXT",
+        help="what is said; a .TextGrid gives words and phones with their times; without it phones are recognised",
+    )
+    _add_tiers_option(animate)
     animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
     animate.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics (docs/song.md)")
     animate.add_argument("--voice", help=argparse.SUPPRESS)
@@ -143,7 +148,14 @@ def _parser() -> argparse.ArgumentParser:
     align = commands.add_parser("align", help="find when each word and phone is said")
     align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
-    align.add_argument("-o", "--output", metavar="X.TextGrid", required=True, help="the file to write")
+    align.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="the file to write; its suffix picks the format: .TextGrid .json .csv .srt .vtt .lab .ctm",
+    )
+    _add_tiers_option(align)
     align.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics")
     _add_language_option(align)
     align.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -239,6 +251,16 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
 
+def _add_tiers_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--tiers", metavar="WORDS,PHONES", default="", help="names of the tiers of a TextGrid (default: words,phones)"
+    )
+
+
+def _tiers(options: argparse.Namespace) -> tuple[str, ...]:
+    return tuple(name.strip() for name in options.tiers.split(",") if name.strip())
+
+
 def _add_language_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: English)"
@@ -267,7 +289,7 @@ def _animate(options: argparse.Namespace) -> int:
     if options.text is not None and options.script is not None:
         raise InputError("--text and --script both say what is spoken: give one of them")
     text = Path(options.script) if options.script is not None else options.text
-    animation = api.animate(options.audio, text=text, song=options.song, **_asked(options))
+    animation = api.animate(options.audio, text=text, song=options.song, tiers=_tiers(options), **_asked(options))
     return _finish(animation, face, options)
 
 
@@ -340,16 +362,18 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
 
 def _align(options: argparse.Namespace) -> int:
     from mien.api import calls as api
-    from mien.formats.registry import check_output
-    from mien.formats.textgrid import write_textgrid
+    from mien.core.files import check_writable
+    from mien.formats.spoken_times import TIME_FORMATS, write_times
 
-    if not options.output.lower().endswith(".textgrid"):
-        raise InputError(f"mien align writes a .TextGrid, not {options.output!r}; give -o NAME.TextGrid")
-    path = check_output(options.output)
+    if Path(options.output).suffix.lower() not in [suffix.lower() for suffix in TIME_FORMATS]:
+        raise InputError(f"mien align writes {' '.join(TIME_FORMATS)}, not {options.output!r}; give -o NAME.TextGrid")
+    path = check_writable(options.output)
     _refuse_same_file([path], [options.audio, options.text])
-    utterance = api.align(options.audio, options.text, language=options.language, song=options.song)
-    write_textgrid((utterance.words, utterance.spelled_phones), utterance.duration, path)
-    _tell(utterance.notes, options.quiet)
+    utterance = api.align(
+        options.audio, options.text, language=options.language, song=options.song, tiers=_tiers(options)
+    )
+    notes = write_times(utterance, path)
+    _tell((*utterance.notes, *notes), options.quiet)
     if not options.quiet:
         spoken = len(utterance.words)
         print(f"{options.output}: words: {spoken}, phones and pauses: {len(utterance.spelled_phones)}")

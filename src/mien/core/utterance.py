@@ -31,9 +31,9 @@ class Utterance:
         ARPAbet phones without stress digits (39 of them), pauses as `PAUSE`; covers the whole sound without gaps.
     language : str
         BCP 47 tag, such as ``"en-US"``.
-    timing : {"aligned", "recognised", "voice", "none"}
+    timing : {"aligned", "recognised", "voice", "given", "none"}
         Where the times come from: forced alignment with a text, recognition without one (approximate), the voice
-        that spoke it, or nothing (no speech was found).
+        that spoke it, a person (a corrected TextGrid), or nothing (no speech was found).
     notes : tuple of Note
         What a person should know, for instance a stretch where text and sound do not fit.
     native : Tier or None
@@ -56,7 +56,7 @@ class Utterance:
     words: Tier
     phones: Tier
     language: str
-    timing: Literal["aligned", "recognised", "voice", "none"]
+    timing: Literal["aligned", "recognised", "voice", "given", "none"]
     notes: tuple[Note, ...] = ()
     native: Tier | None = None
     shapes: tuple[tuple[str, ...], ...] = ()

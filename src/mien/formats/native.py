@@ -386,7 +386,7 @@ def _audio(node: _Node) -> Audio:
 
 
 def _utterance(node: _Node) -> Utterance:
-    timing = node.get("timing").one_of("aligned", "recognised", "voice", "none")
+    timing = node.get("timing").one_of("aligned", "recognised", "voice", "given", "none")
     return Utterance(
         text=node.get("text").text(),
         audio=_audio(node.get("audio")),

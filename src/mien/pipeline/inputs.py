@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
@@ -19,7 +19,7 @@ from mien.text.script import Script
 if TYPE_CHECKING:
     from mien.pipeline.spoken import Spoken
 
-__all__ = ["heard", "read_text", "sound_of", "spoken_recording", "spoken_text"]
+__all__ = ["heard", "is_timed", "read_text", "sound_of", "spoken_recording", "spoken_text"]
 
 _DOCUMENTS = (".xml", ".ssml", ".bml")
 
@@ -63,6 +63,7 @@ def spoken_recording(
     text: str | Path | Script | None = None,
     language: str | Path | None = None,
     song: bool = False,
+    tiers: Sequence[str] = (),
     commands: str | Path | Sequence[str | Path] = (),
     notes: tuple[Note, ...] = (),
 ) -> Spoken:
@@ -72,7 +73,7 @@ def spoken_recording(
     ----------
     performer : Performer
         Must have the emotions that the text asks for.
-    audio, text, language, song, commands
+    audio, text, language, song, tiers, commands
         As for `animate`.
     notes : tuple of Note
         What is known of the sound already.
@@ -87,8 +88,10 @@ def spoken_recording(
     from mien.pipeline.translate import translate
 
     library = _library(commands)
-    if text is None:
-        return Spoken(heard(audio, None, language, song).with_notes(*notes))
+    if text is None or is_timed(text):
+        return Spoken(heard(audio, cast("str | Path | None", text), language, song, tiers).with_notes(*notes))
+    if tiers:
+        raise InputError("tiers are those of a TextGrid: give one as the text (--text X.TextGrid)")
     script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
     spoken = speak_over(
@@ -175,10 +178,23 @@ def sound_of(audio: str | Path | Audio) -> tuple[Audio, tuple[Note, ...]]:
     return read_audio(audio)
 
 
+def is_timed(text: object) -> bool:
+    """Whether what is said is the path of a TextGrid, whose times are taken as they are."""
+    return isinstance(text, (str, Path)) and len(str(text)) < 4096 and str(text).strip().lower().endswith(".textgrid")
+
+
 def heard(
-    audio: str | Path | Audio, text: str | Path | None, language: str | Path | None = None, song: bool = False
+    audio: str | Path | Audio,
+    text: str | Path | None,
+    language: str | Path | None = None,
+    song: bool = False,
+    tiers: Sequence[str] = (),
 ) -> Utterance:
     """Words and phones of a sound, with the notes on reading it."""
+    if is_timed(text):
+        return _heard_as_given(audio, Path(str(text).strip()), language, song, tiers)
+    if tiers:
+        raise InputError("tiers are those of a TextGrid: give one as the text (--text X.TextGrid)")
     said = read_text(text) if text is not None else None
     if said is not None and not said.strip():
         raise InputError(
@@ -207,3 +223,19 @@ def heard(
 
         notes = (*notes, *note_on_singing(audio))
     return utterance.with_notes(*notes)
+
+
+def _heard_as_given(
+    audio: str | Path | Audio, path: Path, language: str | Path | None, song: bool, tiers: Sequence[str]
+) -> Utterance:
+    from mien.formats.textgrid import read_textgrid
+    from mien.speech.given_times import spoken_as_given
+
+    if song:
+        raise InputError(f"{path}: a song takes its lyrics as a text, not as a TextGrid")
+    given = read_textgrid(path)
+    sound, notes = sound_of(audio)
+    try:
+        return spoken_as_given(sound, given, names=tiers, language=language).with_notes(*notes)
+    except InputError as problem:
+        raise InputError(f"{path}: {problem}") from problem

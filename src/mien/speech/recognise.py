@@ -25,7 +25,7 @@ from mien.speech.align import align_pieces, name_words, tiers
 from mien.speech.decoder import RATE, DecoderError, Piece, decode, pcm16, transcribe
 from mien.text.pronunciation import Pronunciation, dictionary_entries, pronunciations
 
-__all__ = ["recognise", "recogniser_at_hand"]
+__all__ = ["ipa_phones", "recognise", "recogniser_at_hand"]
 
 Recogniser = Literal["hama", "pocketsphinx"]
 Heard = list[list[tuple[str, tuple[Pronunciation, ...]]]]
@@ -127,6 +127,21 @@ def _hear_pocketsphinx(samples: NDArray[np.int16], pieces: list[Piece]) -> Heard
         spoken = [word.name for word in words or () if not word.filler]
         heard.append([(name, pronunciations(name)) for name in spoken])
     return heard
+
+
+def ipa_phones(sign: str) -> tuple[str, ...]:
+    """The ARPAbet phones nearest to an IPA sign, marks of length and stress passed over; none if it is not known.
+
+    Examples
+    --------
+    >>> ipa_phones("aɪ"), ipa_phones("ˈəː"), ipa_phones("?")
+    (('AY',), ('AH',), ())
+    """
+    table = _ipa_table()
+    for written in (sign, sign.strip("ˈˌːˑ.")):
+        if written in table:
+            return table[written]
+    return ()
 
 
 @cache
