@@ -44,11 +44,12 @@ def test_closures_stay_as_they_are_and_weights_in_range(performer, level: float)
     plain, changed = spoken(performer), spoken(performer, EffortSpan(level))
     shut = seal > 1 - 1e-9
     assert shut.sum() > 5  # of /m p f/
-    assert np.abs(changed - plain)[shut].max() < 1e-9
+    mouth = [channels.ALL.index(name) for name in channels.MOUTH]
+    assert np.abs(changed - plain)[shut][:, mouth].max() < 1e-9
     weights = changed[:, : len(channels.WEIGHTS)]
     assert weights.min() >= 0
     assert weights.max() < 1
-    assert np.abs(changed - plain)[seal < 0.1].max() > 0.01
+    assert np.abs(changed - plain)[seal < 0.1][:, mouth].max() > 0.01
 
 
 def test_the_ceiling_is_soft() -> None:
@@ -90,6 +91,24 @@ def test_an_emotion_carries_effort_in_proportion_to_its_intensity_and_off_takes_
     felt = spoken(performer, emotion="angry")
     plain = spoken(performer, EffortSpan(1.0, source="off"), emotion="angry")
     assert felt[:, JAW].mean() > 1.05 * plain[:, JAW].mean()
+
+
+def test_brows_and_nods_on_accents_go_with_the_effort() -> None:
+    class Nods:
+        def perform(self, spoken, rate, random):  # type: ignore[no-untyped-def]
+            values = np.zeros((rate.frames_covering(spoken.duration), len(channels.ALL)))
+            values[:, channels.ALL.index("browInnerUp")] = 0.2
+            return values
+
+    class Still:
+        def perform(self, spoken, rate, random, score=None):  # type: ignore[no-untyped-def]
+            return np.zeros((rate.frames_covering(spoken.duration), len(channels.ALL)))
+
+    performer = replace(load_performer("authored"), prosody=Nods(), idle=Still())
+    brow = channels.ALL.index("browInnerUp")
+    rest, half, plain = (spoken(performer, EffortSpan(level))[:, brow] for level in (0.0, 0.5, 1.0))
+    assert plain - half == pytest.approx(half - rest)
+    assert (plain - rest).mean() == pytest.approx(0.2)
 
 
 def test_the_gains_are_those_of_the_shipped_table() -> None:

@@ -4,7 +4,7 @@ mouth       what the phones ask of the mouth, and when the lips must stay shut; 
 effort      how hard that is articulated, as asked for, as the voice sounds and as the emotions have it
 expression  what the emotions ask of the whole face
 idle        blinks, glances, a moving head, in the manner of what is felt; no head turns faster than heads do
-prosody     brows and nods on the accents and phrase ends of the voice
+prosody     brows and nods on the accents and phrase ends of the voice, as large as the effort
 blend       expression gives way to speech where the lips are shut; lids close whatever the expression says
 direct      curves of the score (gestures, gaze, action units) are laid over the result
 """
@@ -26,7 +26,7 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth
 from mien.motion.mouth.singing import sing
 from mien.motion.performer import Performer
 from mien.text.effort_spans import AS_RECORDED, effort_over
@@ -63,10 +63,13 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     mouth = performer.mouth.perform(utterance, rate)
     if utterance.sung:
         mouth = sing(mouth, utterance, rate)
-    mouth = _with_effort(mouth, utterance, score, performer, rate)
+    times = rate.times(len(mouth.values))
+    effort = effort_over(score.efforts, performer.expression.effort(score, times), times)
+    if (effort != AS_RECORDED).any():
+        mouth = articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
     idle = performer.idle.perform(utterance, rate, for_idle, score)
-    prosody = performer.prosody.perform(utterance, rate, for_prosody)
+    prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
     values = blend(mouth.values, expression * share + prosody, idle)
     values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
@@ -79,16 +82,6 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         provenance=Provenance(performer.name, seed, version("mien")),
         notes=utterance.notes + performer.expression.notes(score),
     )
-
-
-def _with_effort(
-    mouth: MouthMotion, utterance: Utterance, score: Score, performer: Performer, rate: FrameRate
-) -> MouthMotion:
-    times = rate.times(len(mouth.values))
-    effort = effort_over(score.efforts, performer.expression.effort(score, times), times)
-    if (effort == AS_RECORDED).all():
-        return mouth
-    return articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
 
 
 def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:

@@ -113,7 +113,7 @@ def checked(value: float, kind: type[IntensityCurve], where: str = "") -> float:
         If not; per cent are recognised.
     """
     if not 0.0 <= value <= kind.highest:
-        guess = f": did you mean {value / 100:g}?" if kind.highest < value <= 100 * kind.highest else ""
+        guess = f": did you mean {value / 100:g}?" if 5 * kind.highest < value <= 100 * kind.highest else ""
         raise InputError(f"{where}an {kind.what} runs from 0 to {kind.highest:g}, not {value:g}{guess}")
     return float(value)
 
