@@ -11,6 +11,7 @@ from mien.corpus.take import Take
 from mien.motion.expression.expression_motion import find_twins
 from mien.motion.expression.recorded_expression import learn_expressions
 from mien.motion.graph.combined_motion import learned_residuals
+from mien.motion.graph.felt_takes import levelled
 from mien.motion.graph.graph_file import RecordedSpeech
 from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.motion.graph.weight_learning import TRIALS
@@ -71,6 +72,7 @@ def learn(
     *,
     name: str = "learned",
     about: Mapping[str, str] | None = None,
+    felt: Sequence[Take] = (),
 ) -> LearnedSpeech:
     """Learn how a person speaks.
 
@@ -84,13 +86,15 @@ def learn(
         Of the performer.
     about : mapping of str to str
         Licence, attribution: kept in the file.
+    felt : sequence of Take
+        Expressive takes: recorded motion that serves where their emotion is asked for (`felt_takes`).
 
     Raises
     ------
     InputError
         If there is nothing to learn from.
     """
-    settings = (settings or LearningSettings()).in_one_space(takes)
+    settings = (settings or LearningSettings()).in_one_space([*takes, *felt])
     motion = SpeechMotion(settings.speech)
     recorded = settings.speech_model != "coarticulation"
     trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0
@@ -106,7 +110,7 @@ def learn(
     paper = Coarticulation(settings.paper).fit(takes)
     cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
     step("curves")
-    graph = _recorded(motion, takes, settings, lambda: step("graph")) if recorded else None
+    graph = _recorded(motion, takes, felt, settings, lambda: step("graph")) if recorded else None
     if recorded:
         step("recordings")
     known = tuple(sorted(identity_of(take) for take in takes))
@@ -114,13 +118,18 @@ def learn(
 
 
 def _recorded(
-    motion: SpeechMotion, takes: Sequence[Take], settings: LearningSettings, after_trial: Callable[[], None]
+    motion: SpeechMotion,
+    takes: Sequence[Take],
+    felt: Sequence[Take],
+    settings: LearningSettings,
+    after_trial: Callable[[], None],
 ) -> RecordedSpeech:
     """The graph of the takes, and for ``both`` what they did beside the learned curves."""
-    graph = GraphMotion(settings.graph).fit(takes, after_trial)
+    felt = levelled(felt, takes, motion.mouth_)
+    graph = GraphMotion(settings.graph).fit(takes, after_trial, felt)
     if settings.speech_model == "graph":
         return RecordedSpeech.of(graph, None)
-    return RecordedSpeech.of(graph, learned_residuals(motion, graph.graph_, takes))
+    return RecordedSpeech.of(graph, learned_residuals(motion, graph.graph_, [*takes, *felt]))
 
 
 def learn_corpus(
@@ -132,7 +141,9 @@ def learn_corpus(
     exclude_words: Collection[str] = (),
     exclude_names: Collection[str] = (),
 ) -> LearnedSpeech:
-    """Learn speech from the neutral takes of a corpus, and expressions from those that have an emotion.
+    """Learn speech from the neutral takes of a corpus, expressions and emotional speech from those with an emotion.
+
+    Without a neutral take all are learned as speech, and no expression.
 
     Parameters
     ----------
@@ -155,15 +166,17 @@ def learn_corpus(
     words = {word.lower() for word in exclude_words}
     takes = [corpus.take(take) for take in corpus.names if take not in exclude_names and _is_neutral(corpus, take)]
     takes = [take for take in takes if words.isdisjoint(word.label.lower() for word in take.words)]
-    if not takes:
-        raise InputError(f"{corpus.folder}: no neutral take is left to learn from; leave out less")
     about = {key: str(value) for key, value in corpus.about.items() if key in ("licence", "citation")}
     felt = [corpus.take(take) for take in corpus.names if take not in exclude_names and not _is_neutral(corpus, take)]
     felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
-    felt = [pair.expressive for pair in find_twins([*takes, *felt])]
-    expressions = learn_expressions([*takes, *felt]) if felt else None  # first: it is quick, and may refuse
-    maps = learn_emotion_maps([*takes, *felt]) if felt else None
-    learned = learn(takes, settings, progress, name=name, about=about)
+    if not takes and not felt:
+        raise InputError(f"{corpus.folder}: no take is left to learn from; leave out less")
+    twins = [pair.expressive for pair in find_twins([*takes, *felt])]
+    expressions = learn_expressions([*takes, *twins]) if twins else None  # first: it is quick, and may refuse
+    maps = learn_emotion_maps([*takes, *twins]) if twins else None
+    if not takes:  # nobody was recorded neutral: how they speak is learned from what there is
+        takes, felt = felt, []
+    learned = learn(takes, settings, progress, name=name, about=about, felt=felt)
     known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
     return replace(learned, expressions=expressions, trained_on=known, emotion_maps=maps)
 

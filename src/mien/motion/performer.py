@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import Note
-from mien.core.timeline import FrameRate
+from mien.core.timeline import FrameRate, Tier
 from mien.core.utterance import Utterance
 from mien.motion.alive.idle import AuthoredIdle
 from mien.motion.alive.visual_prosody import AuthoredProsody
@@ -20,7 +20,7 @@ from mien.text.score import Score
 if TYPE_CHECKING:
     from mien.motion.maps.emotion_maps import EmotionMaps
 
-__all__ = ["ExpressionModel", "IdleModel", "MouthModel", "Performer", "ProsodyModel"]
+__all__ = ["ExpressionModel", "FeelingMouth", "IdleModel", "MouthModel", "Performer", "ProsodyModel"]
 
 
 class MouthModel(Protocol):
@@ -28,6 +28,18 @@ class MouthModel(Protocol):
 
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels and lip seal for every frame that covers the sound."""
+
+
+@runtime_checkable
+class FeelingMouth(Protocol):
+    """A mouth that was recorded in several emotions."""
+
+    @property
+    def emotions(self) -> tuple[str, ...]:
+        """Those in which speech was recorded."""
+
+    def perform_felt(self, utterance: Utterance, rate: FrameRate, felt: Tier) -> MouthMotion:
+        """As `MouthModel.perform`; ``felt`` says where which emotion is asked for."""
 
 
 class ExpressionModel(Protocol):

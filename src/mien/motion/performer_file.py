@@ -296,7 +296,8 @@ def _recorded_from(path: Path, written: bytes, content: Mapping[str, Any], motio
         except (OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, IndexError) as problem:
             raise InputError(f"{path}: its graph is damaged or gone ({problem}); learn it again") from problem
 
-    return RecordedSpeech("residual_weights" in content["graph"], read)
+    graph = content["graph"]
+    return RecordedSpeech("residual_weights" in graph, tuple(graph["emotion_names"]), read)
 
 
 def _space_from(prefix: str, components: int, arrays: Arrays) -> EMPCA:

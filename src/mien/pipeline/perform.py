@@ -26,9 +26,9 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.singing import sing
-from mien.motion.performer import Performer
+from mien.motion.performer import FeelingMouth, Performer
 from mien.text.effort_spans import AS_RECORDED, effort_over
 from mien.text.parameter_curves import ParameterCurve, lay_over
 from mien.text.score import Score
@@ -60,7 +60,7 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         Covers the sound: ``rate.frames_covering(utterance.duration)`` frames.
     """
     for_expression, for_idle, for_prosody = np.random.default_rng(seed).spawn(3)
-    mouth = performer.mouth.perform(utterance, rate)
+    mouth = _spoken(utterance, score, performer, rate)
     if utterance.sung:
         mouth = sing(mouth, utterance, rate)
     times = rate.times(len(mouth.values))
@@ -82,6 +82,16 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         provenance=Provenance(performer.name, seed, version("mien")),
         notes=utterance.notes + performer.expression.notes(score),
     )
+
+
+def _spoken(utterance: Utterance, score: Score, performer: Performer, rate: FrameRate) -> MouthMotion:
+    """The mouth that speaks, as it was recorded in the emotions asked for, where it was."""
+    mouth = performer.mouth
+    if isinstance(mouth, FeelingMouth) and len(mouth.emotions) > 1:
+        from mien.motion.graph.felt_takes import felt_over
+
+        return mouth.perform_felt(utterance, rate, felt_over(score, utterance.duration, mouth.emotions))
+    return mouth.perform(utterance, rate)
 
 
 def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:

@@ -90,18 +90,18 @@ class CombinedMotion:
         """The mouth by phones and their lengths alone; as `SpeechMotion.synthesise`."""
         return self._performed(phones, times, None)
 
-    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
-        """The same by what is heard too."""
-        return self._performed(phones, times, heard_features(audio, phones))
+    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio, felt: Tier | None = None) -> Floats:
+        """The same by what is heard too; ``felt``: where which emotion is asked for."""
+        return self._performed(phones, times, heard_features(audio, phones), felt)
 
-    def _performed(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+    def _performed(self, phones: Tier, times: Floats, features: Floats | None, felt: Tier | None = None) -> Floats:
         times = np.asarray(times, dtype=np.float64)
         if not len(times):
             return self.speech_.synthesise(phones, times)
         said = covering(phones, float(times.min()) - APART, float(times.max()) + APART)
 
         def answer(instants: Floats) -> Floats:
-            return self.speech_.components(phones, instants) + self.residuals_.at(said, instants, features)
+            return self.speech_.components(phones, instants) + self.residuals_.at(said, instants, features, felt)
 
         return self.speech_.finished(answer, phones, times)
 

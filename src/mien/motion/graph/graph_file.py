@@ -43,15 +43,18 @@ class RecordedSpeech:
     ----------
     has_residuals : bool
         Whether what the recordings did beside the learned curves was learned too.
+    emotions : tuple of str
+        In which speech was recorded.
     """
 
     has_residuals: bool
+    emotions: tuple[str, ...]
     _read: Callable[[], tuple[GraphMotion, RecordedResiduals | None]]
 
     @classmethod
     def of(cls, motion: GraphMotion, residuals: RecordedResiduals | None) -> RecordedSpeech:
         """What was just learned."""
-        return cls(residuals is not None, lambda: (motion, residuals))
+        return cls(residuals is not None, motion.graph_.emotion_names, lambda: (motion, residuals))
 
     @cached_property
     def _parts(self) -> tuple[GraphMotion, RecordedResiduals | None]:

@@ -25,6 +25,7 @@ from mien.corpus.take import Take
 from mien.motion.graph.candidates import GraphIndex, candidates_for
 from mien.motion.graph.compact import snapped_graph
 from mien.motion.graph.costs import SearchWeights
+from mien.motion.graph.felt_takes import emotion_of, labels_of
 from mien.motion.graph.graph import AnimeGraph, RecordedChain, build_graph, frame_spans, without_gaps
 from mien.motion.graph.joining import Joiner
 from mien.motion.graph.motion_code import PAPER_SHARE, MotionCode
@@ -113,7 +114,9 @@ class GraphMotion:
     def __init__(self, settings: GraphMotionSettings | None = None) -> None:
         self.settings = settings or GraphMotionSettings()
 
-    def fit(self, takes: Sequence[Take], after_trial: Callable[[], None] = lambda: None) -> Self:
+    def fit(
+        self, takes: Sequence[Take], after_trial: Callable[[], None] = lambda: None, felt: Sequence[Take] = ()
+    ) -> Self:
         """Learn from takes; what does not belong to the mouth is left out.
 
         Parameters
@@ -121,6 +124,8 @@ class GraphMotion:
         takes : sequence of Take
         after_trial : callable
             Called `weight_learning.TRIALS` times if weights are learned, to show progress.
+        felt : sequence of Take
+            Expressive takes, levelled (`felt_takes`): in the graph with their emotions, after the others.
 
         Raises
         ------
@@ -141,6 +146,7 @@ class GraphMotion:
             from mien.motion.graph.weight_learning import learn_weights
 
             weights, evenness = learn_weights(self, takes, chains, weights, evenness, after_trial)
+        chains += [self._chain(trimmed(take)) for take in felt]
         graph, self.steps_ = snapped_graph(build_graph(chains, self.mouth_.points, instants=True))
         return self.restore(graph, weights, evenness)
 
@@ -153,7 +159,7 @@ class GraphMotion:
     def _chain(self, take: Take) -> RecordedChain:
         heard = heard_features(take.audio, take.phones)
         motion = self.code_.encode(self.mouth_.rows_of(take))
-        return RecordedChain(take.name, take.phones, take.emotion, heard, SOUND_RATE, motion, take.markers.rate)
+        return RecordedChain(take.name, take.phones, emotion_of(take), heard, SOUND_RATE, motion, take.markers.rate)
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
         """The mouth by phones and their lengths alone.
@@ -177,25 +183,30 @@ class GraphMotion:
         """
         return self.perform_features(phones, np.asarray(times, dtype=np.float64), None)
 
-    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
-        """The same by what is heard too."""
-        return self.perform_features(phones, np.asarray(times, dtype=np.float64), heard_features(audio, phones))
+    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio, felt: Tier | None = None) -> Floats:
+        """The same by what is heard too; ``felt``: where which emotion is asked for."""
+        return self.perform_features(phones, np.asarray(times, dtype=np.float64), heard_features(audio, phones), felt)
 
-    def asked(self, phones: Tier, features: Floats | None) -> tuple[SpokenPhones, SearchWeights]:
+    def asked(
+        self, phones: Tier, features: Floats | None, felt: Tier | None = None
+    ) -> tuple[SpokenPhones, SearchWeights]:
         """What is searched for, and with which weights: without sound it costs nothing how a node sounds."""
+        emotions = labels_of(without_gaps(phones), felt, self.graph_.emotion_names)
         weights = self.weights_
         if features is None:
             last = phones.intervals[-1].end if len(phones) else 0.0
             features = np.zeros((SOUND_RATE.frames_covering(last), self.graph_.features.shape[1]))
             weights = replace(weights, audio=0.0)
-        return spoken_phones(phones, features, SOUND_RATE), weights
+        return spoken_phones(phones, features, SOUND_RATE, emotions), weights
 
-    def perform_features(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+    def perform_features(
+        self, phones: Tier, times: Floats, features: Floats | None, felt: Tier | None = None
+    ) -> Floats:
         """The same by features that were made before (`heard_features`), or by None."""
         if not len(times):
             return self.mouth_.motion_of(np.zeros((0, len(self.code_.mean_))))
         said = covering(phones, float(times.min()), float(times.max()))
-        asked, weights = self.asked(said, features)
+        asked, weights = self.asked(said, features, felt)
         nodes, _ = cheapest_nodes(candidates_for(self.index_, asked, weights))
         motion = self.joined(nodes, said, times, features)
         rows = self.code_.decode(motion)

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
 from mien.motion.graph.compact import snapped, steps_for
+from mien.motion.graph.felt_takes import NEUTRAL, labels_of
 from mien.motion.graph.graph import AnimeGraph, frame_spans
 from mien.motion.graph.smoothing import low_passed
 from mien.motion.graph.sound import SOUND_RATE
@@ -94,6 +95,7 @@ class _Said:
     company: NDArray[np.int64]
     log_length: float
     heard: Floats | None
+    emotion: int
 
 
 class RecordedResiduals:
@@ -159,8 +161,9 @@ class RecordedResiduals:
             self._company[node],
             float(self._log_lengths[node]),
             self.graph.features[self._sound_rows[node]].astype(np.float64),
+            int(self.graph.emotions[node]),
         )
-        nodes = self._nodes[said.phone]
+        nodes = self._nodes_for(said)
         return self._apart(said, nodes[self.graph.take_of[nodes] != self.graph.take_of[node]])
 
     def _apart(self, said: _Said, nodes: Whole) -> _Apart:
@@ -178,7 +181,17 @@ class RecordedResiduals:
         fits = np.exp(-(distance + weights.near * apart.near + weights.far * apart.far) / 2)
         return np.asarray(np.tensordot(fits, self.residuals_[apart.nodes], axes=1) / (fits.sum() + weights.doubt))
 
-    def at(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+    def _nodes_for(self, said: _Said) -> Whole:
+        """Nodes of a phone in the emotion asked for; where it was not recorded so, neutral ones."""
+        nodes = self._nodes.get(said.phone, np.zeros(0, dtype=np.int64))
+        if len(self.graph.emotion_names) < 2:
+            return nodes
+        felt = self.graph.emotions[nodes]
+        if not (felt == said.emotion).any() and NEUTRAL in self.graph.emotion_names:
+            return np.asarray(nodes[felt == self.graph.emotion_names.index(NEUTRAL)])
+        return np.asarray(nodes[felt == said.emotion])
+
+    def at(self, phones: Tier, times: Floats, features: Floats | None, felt: Tier | None = None) -> Floats:
         """Averaged residual at given times, shape (frames, components).
 
         Parameters
@@ -189,12 +202,14 @@ class RecordedResiduals:
             Seconds.
         features : ndarray, shape (feature frames, coefficients), or None
             Audio features of the utterance; None leaves the sound out.
+        felt : Tier or None
+            Where which emotion is asked for.
         """
         weights = self.weights_ if features is not None else self.deaf_weights_
-        knots, values, none = [], [], np.zeros(0, dtype=np.int64)
-        for said, phone in zip(self._asked(phones, features), phones, strict=True):
+        knots, values = [], []
+        for said, phone in zip(self._asked(phones, features, felt), phones, strict=True):
             knots.append(phone.start + POINTS * phone.duration)
-            values.append(self._averaged(self._apart(said, self._nodes.get(said.phone, none)), weights))
+            values.append(self._averaged(self._apart(said, self._nodes_for(said)), weights))
         curve = np.array(values)
         middle = (curve[1:, 0] + curve[:-1, -1]) / 2  # where phones meet their two answers are averaged
         curve[1:, 0], curve[:-1, -1] = middle, middle
@@ -205,7 +220,9 @@ class RecordedResiduals:
         smooth = low_passed(joined, GRID_RATE, np.full(joined.shape[1], CUT_OFF))
         return np.stack([np.interp(times, grid, column) for column in smooth.T], axis=1)
 
-    def _asked(self, phones: Tier, features: Floats | None) -> list[_Said]:
+    def _asked(self, phones: Tier, features: Floats | None, felt: Tier | None) -> list[_Said]:
+        names = self.graph.emotion_names
+        emotions = labels_of(phones, felt, names) or (names[0],) * len(phones)
         numbers = np.array([self._numbers.get(phone.label, -2) for phone in phones])
         company = _company(numbers, np.zeros(len(numbers), dtype=np.int32))
         starts = frame_spans(phones, SOUND_RATE, len(features))[:, 0] if features is not None else None
@@ -216,7 +233,7 @@ class RecordedResiduals:
                 rows = starts[place] + np.rint((phone.duration * POINTS + LATE) * SOUND_RATE.fps).astype(np.int64)
                 heard = features[np.minimum(rows, len(features) - 1)]
             length = float(np.log(max(phone.duration, SHORTEST)))
-            asked.append(_Said(phone.label, company[place], length, heard))
+            asked.append(_Said(phone.label, company[place], length, heard, names.index(emotions[place])))
         return asked
 
 

@@ -78,10 +78,20 @@ class LearnedMouth:
         """Phones that were never recorded, whose key shapes are hand-made."""
         return tuple(phone for phone, count in heard_phones(self.learned.motion.coverage_).items() if not count)
 
+    @property
+    def emotions(self) -> tuple[str, ...]:
+        """Emotions in which the speech that performs was recorded."""
+        recorded = self.learned.recorded
+        return () if recorded is None or self.speech is self.learned.motion else recorded.emotions
+
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels and lip seal for every frame that covers the sound; markers, if it learned in them."""
+        return self.perform_felt(utterance, rate, None)
+
+    def perform_felt(self, utterance: Utterance, rate: FrameRate, felt: Tier | None) -> MouthMotion:
+        """The same with the way of speaking of recorded emotions, where ``felt`` says so (`emotions`)."""
         times = rate.times(rate.frames_covering(utterance.duration))
-        motion = synthesise(self.speech, utterance.phones, times, utterance.audio)
+        motion = synthesise(self.speech, utterance.phones, times, utterance.audio, felt)
         values, markers = self.on_face(motion, rate), None
         if self._markers is not None:
             markers = MarkerTrack(self._markers.space.names, motion, rate)

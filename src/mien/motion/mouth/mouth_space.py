@@ -66,6 +66,9 @@ class MouthSpace(Protocol):
     def rows_from(self, motion: Floats) -> Floats:
         """The way back from `motion_of`."""
 
+    def differences_of(self, rows: Floats) -> Floats:
+        """What differences of rows move; as `motion_of`, without bounds."""
+
     def opening_of(self, rows: Floats) -> Floats | None:
         """Lip opening, mm, shape (frames,); None where the middles of the lips are not known."""
 
@@ -109,6 +112,10 @@ class MarkerSpace:
     def motion_of(self, rows: Floats) -> Floats:
         """Positions, shape (frames, markers, 3), mm."""
         return rows.reshape(len(rows), self.points, 3)
+
+    def differences_of(self, rows: Floats) -> Floats:
+        """Displacements, shape (frames, markers, 3), mm."""
+        return self.motion_of(rows)
 
     def rows_from(self, motion: Floats) -> Floats:
         """Positions as rows."""
@@ -197,7 +204,11 @@ class ChannelSpace:
 
     def motion_of(self, rows: Floats) -> Floats:
         """Weights in 0..1, shape (frames, channels)."""
-        return np.clip(rows @ self._back, 0.0, 1.0)
+        return np.clip(self.differences_of(rows), 0.0, 1.0)
+
+    def differences_of(self, rows: Floats) -> Floats:
+        """Weights without bounds, shape (frames, channels)."""
+        return np.asarray(rows @ self._back)
 
     def rows_from(self, motion: Floats) -> Floats:
         """Weights as rows."""

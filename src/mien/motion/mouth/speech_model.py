@@ -31,16 +31,19 @@ class SpeechModel(Protocol):
 class HearingModel(Protocol):
     """A model that listens: with the sound it does better than with the phones alone."""
 
-    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio) -> Floats:
-        """As `SpeechModel.synthesise`; the phones' times are seconds from the start of the sound."""
+    def synthesise_heard(self, phones: Tier, times: Floats, audio: Audio, felt: Tier | None = None) -> Floats:
+        """As `SpeechModel.synthesise`; the phones' times are seconds from the start of the sound.
+
+        ``felt``: where which emotion is asked for; elsewhere, and if None, neutral speech.
+        """
 
 
 class _Moves(Protocol):
     def synthesise(self, phones: Tier, times: Floats) -> Floats: ...
 
 
-def synthesise(model: _Moves, phones: Tier, times: Floats, audio: Audio | None) -> Floats:
+def synthesise(model: _Moves, phones: Tier, times: Floats, audio: Audio | None, felt: Tier | None = None) -> Floats:
     """Let a model speak; one that listens gets the sound, the others are asked as ever."""
     if audio is not None and isinstance(model, HearingModel):
-        return model.synthesise_heard(phones, times, audio)
+        return model.synthesise_heard(phones, times, audio, felt)
     return model.synthesise(phones, times)
