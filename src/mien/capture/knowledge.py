@@ -61,6 +61,7 @@ class Opening:
     """A distance across lips or lids: pairs of landmarks (upper, lower, weight) along an axis (0: x, 1: y).
 
     It is shut below ``shut_mm``, or as far as the channel ``shut_by`` shuts it, or never (the width of the mouth).
+    ``weight`` is what it counts beside the others.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Opening:
     pairs: tuple[tuple[int, int, float], ...]
     shut_mm: float | None
     shut_by: str | None
+    weight: float
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,7 @@ def knowledge() -> Knowledge:
                 tuple((int(a), int(b), float(w)) for a, b, w in o["pairs"]),
                 o.get("shut_mm"),
                 o.get("shut_by"),
+                float(o.get("weight", 1.0)),
             )
             for o in table["opening"]
         ),

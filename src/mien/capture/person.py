@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +31,8 @@ _OVAL = (
     338, 297, 332, 284, 251, 389, 356, 454, 323, 361, 288, 397, 365, 379, 378, 400, 377, 148, 176, 149, 150, 136,
     172, 58, 132, 93, 234, 127, 162, 21, 54, 103, 67, 109,
 )  # fmt: skip
+_LIDS = ((159, 145), (386, 374))
+_LOWEST_LIDS = 0.3  # share of the frames that are left out of the neutral upper face
 _FEWEST = 12
 _SEEN = 0.5  # share of frames in which a marker has to be there
 _GAUSS = 1.4826 / np.sqrt(6.0)  # from the median of second differences to a standard deviation
@@ -179,7 +181,11 @@ def _rim(layout: Layout) -> set[str]:
 
 
 def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Floats:
-    """The person at rest: the median of frames that have shut lips, open lids and little motion, shape (markers, 3).
+    """The person at rest, shape (markers, 3).
+
+    The lower face is the median of frames with shut lips and little motion. Brows and lids wander slowly and are at
+    rest most of the time, so the upper face (the layout's group ``upper``) is the median of all frames but those with
+    the lowest lids: give neutral recordings, or the neutral face, of a person who is not neutral.
 
     Raises
     ------
@@ -204,7 +210,20 @@ def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Flo
     middle = np.nanmedian(chosen, axis=0)
     away = np.nanmean(np.linalg.norm(chosen - middle, axis=2), axis=1)
     near = chosen[away <= np.nanquantile(away, 0.5)]
-    return np.asarray(np.nanmedian(near, axis=0))
+    rest = np.nanmedian(near, axis=0)
+    upper_face = [place[name] for name in layout.groups["upper"] if name in place]
+    rest[upper_face] = np.nanmedian(_eyes_open(frames, place, layout)[:, upper_face], axis=0)
+    return np.asarray(rest)
+
+
+def _eyes_open(frames: Floats, place: Mapping[str, int], layout: Layout) -> Floats:
+    """The frames without the lowest lids; all where lids are not marked."""
+    pairs = [[place.get(layout.landmarks.get(n, "")) for n in pair] for pair in _LIDS]
+    gaps = [frames[:, upper, 1] - frames[:, lower, 1] for upper, lower in pairs if upper is not None and lower is not None]
+    if not gaps:
+        return frames
+    gap = np.mean(gaps, axis=0)
+    return frames[gap >= np.nanquantile(gap, _LOWEST_LIDS)] if np.isfinite(gap).any() else frames
 
 
 def _noise(tracks: Sequence[Floats]) -> Floats:

@@ -36,6 +36,9 @@ class Priors:
         On the squared difference of left and right.
     steady : float
         On the squared change from frame to frame at 30 frames/s.
+    brisk : float
+        Change of a weight from frame to frame at 30 frames/s above which it is taken to be meant: held back half as
+        much there, and ever less beyond.
     opening, shut : float
         On the squared misfit across lips and lids, and where they are shut.
     rounds : int
@@ -43,13 +46,14 @@ class Priors:
     """
 
     ridge: float = 0.2
-    price: float = 0.15
-    knee: float = 0.05
+    price: float = 0.1
+    knee: float = 0.02
     alike: float = 4.0
-    steady: float = 8.0
+    steady: float = 20.0
+    brisk: float = 0.015
     opening: float = 8.0
     shut: float = 150.0
-    rounds: int = 3
+    rounds: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +132,7 @@ class Solver:
         open_goal, open_weight = self._opening_goals(placed)
         weights = np.zeros_like(goal)
         upper = np.ones_like(goal)
-        steady = np.full_like(goal, priors.steady * (fps / 30.0) ** 2)
+        steady = held = np.full_like(goal, priors.steady * (fps / 30.0) ** 2)
         price = np.full_like(goal, priors.price) * self._scale
         for _ in range(priors.rounds):
             descend(
@@ -143,7 +147,10 @@ class Solver:
                 _STILL,
                 _SWEEPS,
             )
-            price = priors.price * self._scale / (1 + _calmed(weights) / priors.knee)
+            calm = _calmed(weights)
+            price = priors.price * self._scale / (1 + calm / priors.knee)
+            pace = np.abs(np.diff(calm, axis=0, prepend=calm[:1])) * (fps / 30.0)
+            steady = held / (1 + (pace / priors.brisk) ** 2)
         upper = self._apart(weights)
         np.minimum(weights, upper, out=weights)
         descend(
@@ -160,7 +167,7 @@ class Solver:
         for seen, own_rest in zip(self.person.openings, self._own_rest, strict=True):
             goal, shut = wanted(seen, placed[:, :, seen.opening.axis] @ seen.rows, own_rest)
             goals.append(goal)
-            weights.append(np.where(shut, self.priors.shut, self.priors.opening))
+            weights.append(seen.opening.weight * np.where(shut, self.priors.shut, self.priors.opening))
         shape = (len(self.person.openings), len(placed))
         return (
             np.ascontiguousarray(np.array(goals).reshape(shape).T),
