@@ -61,9 +61,17 @@ def descend(
         Sweeps done.
     """
     frames, channels = goal.shape
-    slopes = np.dot(weights, gram)
-    opened = np.dot(weights, openings.T)
     count = openings.shape[0]
+    slopes = np.zeros((frames, channels))
+    opened = np.zeros((frames, count))
+    for frame in range(frames):
+        for k in range(channels):
+            value = weights[frame, k]
+            if value != 0.0:
+                for other in range(channels):
+                    slopes[frame, other] += value * gram[k, other]
+                for j in range(count):
+                    opened[frame, j] += value * openings[j, k]
     for sweep in range(most):
         largest = 0.0
         for step in range(frames):

@@ -61,7 +61,7 @@ class Opening:
     """A distance across lips or lids: pairs of landmarks (upper, lower, weight) along an axis (0: x, 1: y).
 
     It is shut below ``shut_mm``, or as far as the channel ``shut_by`` shuts it, or never (the width of the mouth).
-    ``weight`` is what it counts beside the others.
+    ``weight`` is what it counts beside the others; it is shut only where the opening ``shut_with`` is.
     """
 
     name: str
@@ -70,16 +70,18 @@ class Opening:
     shut_mm: float | None
     shut_by: str | None
     weight: float
+    shut_with: str | None
 
 
 @dataclass(frozen=True)
 class Knowledge:
-    """All of the table."""
+    """All of the table. ``rare``: by how much some channels cost more than others."""
 
     sources: dict[str, Source]
     channels: dict[str, tuple[str, ...]]
     regions: tuple[Region, ...]
     antagonists: tuple[tuple[str, str], ...]
+    rare: dict[str, float]
     most_of_both: float
     openings: tuple[Opening, ...]
 
@@ -117,6 +119,7 @@ def knowledge() -> Knowledge:
             for r in table["region"]
         ),
         antagonists=tuple((one, other) for one, other in table["antagonists"]["pairs"]),
+        rare={name: float(price) for name, price in table["rare"].items()},
         most_of_both=float(table["antagonists"]["most"]),
         openings=tuple(
             Opening(
@@ -126,6 +129,7 @@ def knowledge() -> Knowledge:
                 o.get("shut_mm"),
                 o.get("shut_by"),
                 float(o.get("weight", 1.0)),
+                o.get("with"),
             )
             for o in table["opening"]
         ),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from mien.capture.cleaning.normalise import best_similarity
 from mien.capture.head import fit_head_to_markers
@@ -130,12 +133,8 @@ def fit_person(
     chosen = tuple(names[i] for i in usable)
     head = np.zeros(0)
     if face is None:
-        space = head_space()
-        rim = np.array([name in _rim(layout) for name in chosen])
-        fitted = fit_head_to_markers(
-            space, place_markers(space.face, layout, chosen), rest[usable], source_named(source), rim
-        )
-        head, face = fitted.weights, reshaped_face(space, fitted.skin, "captured").face
+        with threadpool_limits(1):  # the same bits on any number of threads
+            head, face = _shaped(rest[usable], chosen, layout, source)
     placed = place_markers(face, layout, chosen)
     turn = best_similarity(rest[usable], placed.places, np.ones(len(usable)), scale=True)[:3, :3]
     sought = [name for name in knowledge().channels[source] if any(name in part.targets for part in face.parts)]
@@ -157,6 +156,14 @@ def fit_person(
         noise=_noise([track.positions[:, usable] @ turn.T for track in tracks]),
         openings=seen,
     )
+
+
+def _shaped(rest: Floats, markers: Sequence[str], layout: Layout, source: str) -> tuple[Floats, Face]:
+    """The head of the space whose markers lie most like these, and its face."""
+    space, rim = head_space(), _rim(layout)
+    placed, on_rim = place_markers(space.face, layout, markers), np.array([name in rim for name in markers])
+    fitted = fit_head_to_markers(space, placed, rest, source_named(source), on_rim)
+    return fitted.weights, reshaped_face(space, fitted.skin, "captured").face
 
 
 def _mouth_size(face: Face) -> float:
@@ -205,25 +212,34 @@ def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Flo
     step = np.full(len(frames), np.inf)
     step[1:] = np.nanmean(np.linalg.norm(np.diff(frames, axis=0), axis=2), axis=1)
     shut = seen & (opening <= max(np.quantile(opening[seen], 0.15), opening[seen].min() + 0.2))
-    still = shut & (step <= np.nanmedian(step[shut]))
+    still = shut & (step <= _median(step[shut]))
     chosen = frames[still if still.any() else shut]
-    middle = np.nanmedian(chosen, axis=0)
+    middle = _median(chosen, axis=0)
     away = np.nanmean(np.linalg.norm(chosen - middle, axis=2), axis=1)
     near = chosen[away <= np.nanquantile(away, 0.5)]
-    rest = np.nanmedian(near, axis=0)
+    rest = _median(near, axis=0)
     upper_face = [place[name] for name in layout.groups["upper"] if name in place]
-    rest[upper_face] = np.nanmedian(_eyes_open(frames, place, layout)[:, upper_face], axis=0)
+    rest[upper_face] = _median(_eyes_open(frames, place, layout)[:, upper_face], axis=0)
     return np.asarray(rest)
 
 
 def _eyes_open(frames: Floats, place: Mapping[str, int], layout: Layout) -> Floats:
     """The frames without the lowest lids; all where lids are not marked."""
     pairs = [[place.get(layout.landmarks.get(n, "")) for n in pair] for pair in _LIDS]
-    gaps = [frames[:, upper, 1] - frames[:, lower, 1] for upper, lower in pairs if upper is not None and lower is not None]
+    gaps = [
+        frames[:, upper, 1] - frames[:, lower, 1] for upper, lower in pairs if upper is not None and lower is not None
+    ]
     if not gaps:
         return frames
     gap = np.mean(gaps, axis=0)
     return frames[gap >= np.nanquantile(gap, _LOWEST_LIDS)] if np.isfinite(gap).any() else frames
+
+
+def _median(values: Floats, axis: int | None = None) -> Any:
+    """The median of what was seen; NaN, without a warning, where nothing was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.nanmedian(values, axis=axis)
 
 
 def _noise(tracks: Sequence[Floats]) -> Floats:
@@ -231,4 +247,4 @@ def _noise(tracks: Sequence[Floats]) -> Floats:
     bends = [np.abs(np.diff(track, 2, axis=0)) for track in tracks if len(track) > 2]
     if not bends:
         return np.zeros(tracks[0].shape[1:])
-    return np.asarray(_GAUSS * np.nan_to_num(np.nanmedian(np.concatenate(bends), axis=0)))
+    return np.asarray(_GAUSS * np.nan_to_num(_median(np.concatenate(bends), axis=0)))

@@ -105,8 +105,9 @@ class Solver:
         self._trust = trust
         flat = self._basis.reshape(len(basis), -1)
         self._weighed = flat * trust.ravel()
-        gram = self._weighed @ flat.T
+        gram = np.einsum("km,jm->kj", self._weighed, flat)  # not by BLAS: the same bits on any number of threads
         self._scale = np.sqrt(np.maximum(np.diag(gram), 1e-9))
+        self._cost = self._scale * [known.rare.get(name, 1.0) for name in self._channels]
         gram += self.priors.ridge * np.eye(len(gram))
         for name, number in index.items():
             other = index.get(name.replace("Left", "Right"), number) if name.endswith("Left") else number
@@ -128,12 +129,12 @@ class Solver:
         person, priors = self.person, self.priors
         placed = positions @ person.turn.T
         asked = placed - person.neutral @ person.turn.T
-        goal = asked.reshape(len(asked), -1) @ self._weighed.T
+        goal = np.einsum("tm,km->tk", asked.reshape(len(asked), -1), self._weighed)
         open_goal, open_weight = self._opening_goals(placed)
         weights = np.zeros_like(goal)
         upper = np.ones_like(goal)
         steady = held = np.full_like(goal, priors.steady * (fps / 30.0) ** 2)
-        price = np.full_like(goal, priors.price) * self._scale
+        price = np.full_like(goal, priors.price) * self._cost
         for _ in range(priors.rounds):
             descend(
                 self._gram,
@@ -148,7 +149,7 @@ class Solver:
                 _SWEEPS,
             )
             calm = _calmed(weights)
-            price = priors.price * self._scale / (1 + calm / priors.knee)
+            price = priors.price * self._cost / (1 + calm / priors.knee)
             pace = np.abs(np.diff(calm, axis=0, prepend=calm[:1])) * (fps / 30.0)
             steady = held / (1 + (pace / priors.brisk) ** 2)
         upper = self._apart(weights)
@@ -163,9 +164,10 @@ class Solver:
         return Solved(weights, missed)
 
     def _opening_goals(self, placed: Floats) -> tuple[Floats, Floats]:
-        goals, weights = [], []
+        goals, weights, all_shut = [], [], {}
         for seen, own_rest in zip(self.person.openings, self._own_rest, strict=True):
             goal, shut = wanted(seen, placed[:, :, seen.opening.axis] @ seen.rows, own_rest)
+            all_shut[seen.opening.name] = shut = shut & all_shut.get(seen.opening.shut_with, True)
             goals.append(goal)
             weights.append(seen.opening.weight * np.where(shut, self.priors.shut, self.priors.opening))
         shape = (len(self.person.openings), len(placed))

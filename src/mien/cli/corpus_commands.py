@@ -1,4 +1,4 @@
-"""``mien corpus import|check|show`` and ``mien tracker install``: recordings to a corpus, and what is in it."""
+"""``mien corpus import|upgrade|check|show`` and ``mien tracker install``: recordings to a corpus, and what is in it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,18 @@ def add_corpus_commands(commands: Any) -> None:
     check.add_argument("corpus", metavar="CORPUS")
     check.add_argument("--quiet", action="store_true", help="no progress bar")
     check.set_defaults(run=_check)
+
+    upgrade = parts.add_parser(
+        "upgrade",
+        help="bring a corpus up to this version",
+        description="Capture every take as motion of the speaker's own face, where that was not done or is done better "
+        "now. Markers, sound and phones stay as they are. Stopped, it goes on where it was when called again.",
+    )
+    upgrade.add_argument("corpus", metavar="CORPUS")
+    upgrade.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
+    upgrade.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to work on instead, tcp://HOST:PORT")
+    upgrade.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    upgrade.set_defaults(run=_upgrade)
 
     show = parts.add_parser("show", help="draw one take: waveform, phones, a few trajectories")
     show.add_argument("corpus", metavar="CORPUS")
@@ -95,6 +107,26 @@ def _check(options: argparse.Namespace) -> int:
         result = check_corpus(corpus, bar)
     print(result)
     return 1 if any(fault.sure for fault in result.faults) else 0
+
+
+def _upgrade(options: argparse.Namespace) -> int:
+    from mien.corpus.capturing import capture_corpus
+    from mien.corpus.recordings import Corpus
+
+    corpus = Corpus(options.corpus)
+    with _Bar("takes", options.quiet) as bar:
+        report = capture_corpus(corpus, options.workers, options.cluster, bar)
+    for note in report.notes:
+        print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    for name, reason in report.failed:
+        print(f"mien: not captured: {name}: {reason}", file=sys.stderr)
+    if not options.quiet:
+        recorded = f", {len(report.recorded)} recorded as channels" if report.recorded else ""
+        print(
+            f"{options.corpus}: {len(corpus)} takes, {len(report.captured)} captured, {len(report.kept)} were there"
+            f"{recorded}, {len(report.failed)} without channels"
+        )
+    return 2 if report.failed and not (report.captured or report.kept or report.recorded) else 0
 
 
 def _show(options: argparse.Namespace) -> int:

@@ -15,6 +15,7 @@ from typing import Any
 
 from mien.core.errors import InputError, MienError, Note, OutputError
 from mien.core.files import replace_when_complete
+from mien.corpus.capturing import capture_corpus
 from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
 from mien.corpus.import_preparation import Job, prepare_and_write
 from mien.corpus.readers import detect, reader_named
@@ -132,6 +133,7 @@ def import_corpus(
     imported, broken = _run(waiting, corpus, workers, cluster, progress, len(jobs))
     failures = tuple(sorted([*failed, *strangers, *shared.failed, *broken], key=lambda failure: failure.name))
     _finish(corpus, failures)
+    notes += _captured(corpus, workers, cluster)
     return ImportReport(corpus, tuple(sorted(imported)), tuple(sorted(kept)), failures, notes)
 
 
@@ -199,6 +201,16 @@ def _run(
             if progress is not None:
                 progress(before + len(imported) + len(failed), total)
     return imported, failed
+
+
+def _captured(corpus: Corpus, workers: int | None, cluster: str | None) -> tuple[Note, ...]:
+    """Capture the face's own motion; takes whose markers do not allow it stay takes of markers."""
+    report = capture_corpus(corpus, workers, cluster)
+    if not report.failed:
+        return report.notes
+    name, reason = report.failed[0]
+    told = f"{len(report.failed)} of {len(corpus)} takes have markers only, no channels of the face; {name}: {reason}"
+    return (*report.notes, Note("warning", told))
 
 
 def _reason(job: Job, problem: BaseException) -> str:

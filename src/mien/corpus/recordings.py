@@ -10,7 +10,9 @@
       audio/NAME.flac         the sound, 24 bit
       motion/NAME.npz         markers: (frames, markers, 3) float32 mm, names, rate as [numerator, denominator];
                               head: (frames, 4, 4) float64 where the head's motion is known;
-                              channels, channel_names: (frames, channels) float32 where there are ARKit weights
+                              channels, channel_names: (frames, channels) float32 where weights were recorded
+      people.npz              the speakers' heads and neutral faces (`mien.corpus.capturing`)
+      channels/NAME.npz       what was captured: channels (frames, channels) float32, names, stamp
       textgrid/NAME.TextGrid  words and phones
 
 A take is there when its line is in the manifest; its files are written before its line.
@@ -27,6 +29,7 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError
@@ -121,17 +124,8 @@ class Corpus:
         if name not in self.entries:
             raise InputError(f"{self.folder}: no take {name!r} in this corpus of {len(self)}")
         entry = self.entries[name]
-        motion = self.folder / "motion" / f"{name}.npz"
-        try:
-            with np.load(motion, allow_pickle=False) as file:
-                rate = FrameRate(Fraction(*(int(n) for n in file["rate"])))
-                markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
-                head = np.array(file["head"]) if "head" in file else None
-                channels = None
-                if "channels" in file:
-                    channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
-        except (OSError, ValueError, KeyError, BadZipFile) as problem:
-            raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
+        markers, head, channels = self.motion(name)
+        captured = None if channels is not None else self._captured(name, markers)
         grid = self.folder / "textgrid" / f"{name}.TextGrid"
         tiers = {tier.name: tier for tier in read_textgrid(grid)}
         if not {"words", "phones"} <= set(tiers):
@@ -149,8 +143,69 @@ class Corpus:
             sentence=entry["sentence"],
             speaker=entry["speaker"],
             source=entry["source"],
-            channels=channels,
+            channels=channels or captured,
+            captured=captured is not None,
         )
+
+    def motion(self, name: str) -> tuple[MarkerTrack, NDArray[np.float64] | None, ChannelTrack | None]:
+        """Markers, head and recorded channels of a take, without its sound.
+
+        Raises
+        ------
+        InputError
+            If the file is missing or damaged.
+        """
+        motion = self.folder / "motion" / f"{name}.npz"
+        try:
+            with np.load(motion, allow_pickle=False) as file:
+                rate = FrameRate(Fraction(*(int(n) for n in file["rate"])))
+                markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
+                head = np.array(file["head"]) if "head" in file else None
+                channels = None
+                if "channels" in file:
+                    channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
+        except (OSError, ValueError, KeyError, BadZipFile) as problem:
+            raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
+        return markers, head, channels
+
+    def has_recorded_channels(self, name: str) -> bool:
+        """Whether the recording itself was of channels (face capture), so that nothing is captured from its markers."""
+        return self.motion(name)[2] is not None
+
+    def channel_stamp(self, name: str) -> str:
+        """What the captured channels of a take were made with and from; empty if there are none."""
+        try:
+            with np.load(self._channel_file(name), allow_pickle=False) as file:
+                return str(file["stamp"])
+        except (OSError, ValueError, KeyError, BadZipFile):
+            return ""
+
+    def write_channels(self, name: str, channels: ChannelTrack, stamp: str) -> None:
+        """Keep what was captured of a take (safe to call from several processes)."""
+        moving = [column for column in range(len(channels.names)) if channels.values[:, column].any()]
+        with replace_when_complete(self._channel_file(name)) as unfinished:
+            np.savez_compressed(
+                unfinished,
+                channels=channels.values[:, moving].astype(np.float32),
+                names=np.array([channels.names[column] for column in moving], dtype=np.str_),
+                all_names=np.array(channels.names),
+                stamp=np.array(stamp),
+            )
+
+    def _channel_file(self, name: str) -> Path:
+        return self.folder / "channels" / f"{name}.npz"
+
+    def _captured(self, name: str, markers: MarkerTrack) -> ChannelTrack | None:
+        path = self._channel_file(name)
+        if not path.exists():
+            return None
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                moving = ChannelTrack([str(n) for n in file["names"]], file["channels"], markers.rate)
+                found = moving.select([str(n) for n in file["all_names"]])
+        except (OSError, ValueError, KeyError, BadZipFile, InputError) as problem:
+            raise InputError(f"{path}: damaged ({problem}); delete it and run 'mien corpus upgrade'") from problem
+        return found if len(found) == len(markers) else None  # of an older import of the take
 
     def add(self, take: Take) -> None:
         """Write a take: first its files, then its line in the manifest. An older take of that name is replaced."""
@@ -170,7 +225,7 @@ class Corpus:
         }
         if take.head is not None:
             arrays["head"] = take.head
-        if take.channels is not None:
+        if take.channels is not None and not take.captured:
             arrays["channels"] = take.channels.values.astype(np.float32)
             arrays["channel_names"] = np.array(take.channels.names)
         with replace_when_complete(self.folder / "motion" / f"{take.name}.npz") as unfinished:

@@ -41,7 +41,10 @@ class Take:
     source : dict of str
         Where the take came from: file, recipe, and what was repaired.
     channels : ChannelTrack or None
-        ARKit weights where the recording has them (a tracker's scores, face capture), frame by frame with the markers.
+        Weights of the speaker's own face, frame by frame with the markers: as recorded by face capture, else captured
+        from the markers (`mien.corpus.capturing`); None where neither was done.
+    captured : bool
+        Whether the channels were captured from the markers, and not recorded.
     """
 
     name: str
@@ -57,6 +60,7 @@ class Take:
     speaker: str = ""
     source: dict[str, str] = field(default_factory=dict)
     channels: ChannelTrack | None = None
+    captured: bool = False
 
     def __post_init__(self) -> None:
         if not self.name or not all(c.isalnum() or c in "_-." for c in self.name) or self.name.startswith("."):
