@@ -36,7 +36,7 @@ def person() -> Person:
         {"eyeBlinkLeft": 1.0, "eyeBlinkRight": 1.0},
         {"eyeSquintLeft": 0.7, "cheekSquintLeft": 0.5},
         {"jawOpen": 0.4, "mouthPucker": 0.5},
-        {"jawLeft": 0.5},
+        {"mouthLeft": 0.5},
     ],
     ids=lambda heights: "+".join(heights),
 )
@@ -69,7 +69,7 @@ def test_lips_and_lids_are_shut_where_they_were(person: Person) -> None:
     at = {number: track.names.index(LAYOUT.landmarks[number]) for number in (13, 14)}
     opening = shown[:, at[13], 1] - shown[:, at[14], 1]
     asked = track.positions[:, at[13], 1] - track.positions[:, at[14], 1]
-    shut = asked < 0.7
+    shut = asked - asked[:8].mean() < 0.7  # lips that touch have their landmarks a little past one another
     assert shut[30]
     assert np.abs(opening[shut]).max() < 0.3  # mm
     assert opening[25] > 8

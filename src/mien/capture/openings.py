@@ -102,6 +102,7 @@ def wanted(seen: Seen, gaps: Floats, own_rest: float) -> tuple[Floats, NDArray[n
     The recorded distance above twice ``shut`` is kept; from there down to ``shut`` it falls to nothing, twice as fast.
     """
     if seen.opening.shut_mm is not None:
+        gaps = gaps - min(seen.rest, 0.0)  # landmarks of lips that touch may lie past one another
         above = np.clip(2 * (gaps - seen.shut), 0, None)
         return np.where(gaps < 2 * seen.shut, above, gaps) - own_rest, gaps <= seen.shut
     if seen.opening.shut_by is None:

@@ -164,10 +164,13 @@ class Solver:
         return Solved(weights, missed)
 
     def _opening_goals(self, placed: Floats) -> tuple[Floats, Floats]:
-        goals, weights, all_shut = [], [], {}
+        goals, weights = [], []
+        all_shut: dict[str, NDArray[np.bool_]] = {}
         for seen, own_rest in zip(self.person.openings, self._own_rest, strict=True):
             goal, shut = wanted(seen, placed[:, :, seen.opening.axis] @ seen.rows, own_rest)
-            all_shut[seen.opening.name] = shut = shut & all_shut.get(seen.opening.shut_with, True)
+            if seen.opening.shut_with is not None:
+                shut = shut & all_shut.get(seen.opening.shut_with, shut)
+            all_shut[seen.opening.name] = shut
             goals.append(goal)
             weights.append(seen.opening.weight * np.where(shut, self.priors.shut, self.priors.opening))
         shape = (len(self.person.openings), len(placed))
