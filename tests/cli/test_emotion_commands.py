@@ -93,5 +93,5 @@ def test_auto_on_a_sound_without_speech_is_neutral() -> None:
 
 
 def test_a_synthetic_voice_has_nothing_to_read() -> None:
-    with pytest.raises(InputError, match="a synthetic one has none"):
+    with pytest.raises(InputError, match="a synthetic one has what it is given"):
         mien.say("Hello.", emotion="auto")

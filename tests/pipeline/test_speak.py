@@ -8,6 +8,7 @@ from mien.pipeline.speak import speak, speak_over
 from mien.pipeline.translate import translate
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.intensity import IntensityCurve
+from mien.text.score import EmotionSpan, Score
 from mien.text.script_reading import read_script
 from tests.serve.modules.speaking import toy_speech, toy_voice
 
@@ -16,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("toy_voice")
 
 
 def spoken(text: str):
-    return speak(read_script(text))
+    return speak(read_script(text), voice_emotion=0.0)
 
 
 def times(text: str) -> dict[str, tuple[str, ...]]:
@@ -134,6 +135,37 @@ def test_intensities_get_times() -> None:
 def test_emotions_get_times() -> None:
     spans = spoken('That <emotion name="sad" intensity="0.3">is</emotion> true').emotions
     assert [(s.name, s.intensity, s.start, s.end) for s in spans] == [("sad", 0.3, 0.5, 0.7)]
+
+
+def test_the_voice_goes_with_the_emotions_of_the_text_and_the_direction_with_the_words() -> None:
+    text = "That <sad>is <HeadNod/> true now</sad> then.".replace("<sad>", '<emotion name="sad">')
+    text = text.replace("</sad>", "</emotion>")
+    plain, felt = spoken(text), speak(read_script(text))
+    assert felt.utterance.duration > 1.1 * plain.utterance.duration
+    words = felt.utterance.words.intervals
+    (nod,), (span,) = felt.commands, felt.emotions
+    assert float(nod.given["at"]) == pytest.approx(1000 * words[2].start, abs=1)
+    assert (span.start, span.end) == pytest.approx((words[1].start, words[3].end), abs=2e-3)
+    before = round(0.3 * felt.utterance.audio.rate)
+    assert np.allclose(felt.utterance.audio.samples[:before], plain.utterance.audio.samples[:before], atol=2e-3)
+
+
+def test_prosody_that_the_user_sets_wins_over_the_emotion() -> None:
+    marked = '<emotion name="sad"><prosody rate="1.25">That is true now.</prosody></emotion>'
+    alone = speak(read_script('<prosody rate="1.25">That is true now.</prosody>')).utterance
+    both = speak(read_script(marked)).utterance
+    inside = [word.duration for word in both.words]
+    assert inside == pytest.approx([word.duration for word in alone.words], rel=0.02)
+    assert np.abs(both.audio.samples).max() < 0.8 * np.abs(alone.audio.samples).max()
+
+
+def test_emotions_for_the_whole_are_in_seconds_of_the_result() -> None:
+    script = read_script("That is true now a that is true now.")
+    score = Score((EmotionSpan("sad", 1.0, start=1.5),))
+    felt, plain = speak(script, score=score).utterance, speak(script).utterance
+    early = [word for word in felt.words if word.end < 1.2]
+    assert early == list(plain.words.intervals[: len(early)])
+    assert felt.words.intervals[-1].duration > 1.1 * plain.words.intervals[-1].duration
 
 
 def test_a_command_without_words_makes_silence() -> None:

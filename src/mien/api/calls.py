@@ -25,6 +25,7 @@ from mien.pipeline.options import (
     prepared,
     score_of,
     score_with_voice,
+    share_of,
     split_auto,
     with_heard_effort,
 )
@@ -39,6 +40,7 @@ def say(
     emotion: Emotions = None,
     effort: Effort = None,
     voice: str | None = None,
+    voice_emotion: float | str = 1.0,
     language: str | Path | None = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
@@ -66,6 +68,8 @@ def say(
         ``"curve.csv"`` (``docs/effort.md``). None: 1, and what the emotions have of their own; ``"off"``: 1.
     voice : str or None
         Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
+    voice_emotion : float or "off"
+        How much the voice goes with the emotion: 0 (or ``"off"``: it speaks as without one) to 1.
     language : str, Path or None
         A tag such as ``"fi"``, or a phone map in a file (``docs/languages.md``); None takes the voice's, and English
         without one.
@@ -105,12 +109,23 @@ def say(
     from mien.pipeline.performance import perform_spoken
 
     if split_auto(emotion)[1]:
-        raise InputError("'auto' reads the emotion from a recorded voice; a synthetic one has none: name an emotion")
+        raise InputError(
+            "'auto' reads the emotion from a recorded voice; a synthetic one has what it is given: name an emotion"
+        )
     if isinstance(effort, str) and effort.strip().lower() == "auto":
         raise InputError("'auto' reads the effort from a recorded voice; a synthetic one has none: give 0 to 2")
     layer = layer_of(edits)
     performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive, effort)
-    spoken = spoken_text(text, performer, voice=voice, language=language, seed=seed, commands=commands)
+    spoken = spoken_text(
+        text,
+        performer,
+        voice=voice,
+        language=language,
+        seed=seed,
+        commands=commands,
+        score=score,
+        voice_emotion=share_of("emotion in the voice", voice_emotion),
+    )
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
 

@@ -128,6 +128,12 @@ def _parser() -> argparse.ArgumentParser:
     say.add_argument("text", metavar="TEXT", nargs="?", help="what to say; '-' reads it from standard input")
     say.add_argument("--script", metavar="FILE", help="what to say, from a file: .txt .xml .ssml .bml (docs/script.md)")
     say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    say.add_argument(
+        "--voice-emotion",
+        metavar="off|0..1",
+        default="1",
+        help="how much the voice goes with the emotion (default 1; docs/emotion.md)",
+    )
     _add_performance_options(say)
     say.set_defaults(run=_say)
 
@@ -276,7 +282,7 @@ def _say(options: argparse.Namespace) -> int:
     text = sys.stdin.read() if options.text == "-" else options.text
     if options.script is not None:
         text = Path(options.script)
-    animation = api.say(text, voice=options.voice, **_asked(options))
+    animation = api.say(text, voice=options.voice, voice_emotion=options.voice_emotion, **_asked(options))
     return _finish(animation, face, options)
 
 

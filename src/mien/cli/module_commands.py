@@ -28,6 +28,12 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     speak.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
     speak.add_argument("--language", metavar="TAG", help="such as fi; the voice's own by default")
     speak.add_argument("--seed", type=int, default=0, help="seed of the voice (default 0)")
+    speak.add_argument(
+        "--emotion", metavar="NAME[:0..1]", action="append", help="for the voice, as 'mien perform' has it for the face"
+    )
+    speak.add_argument(
+        "--voice-emotion", metavar="off|0..1", default="1", help="how much the voice goes with what is felt (default 1)"
+    )
     _add_streams(speak, _speak)
     translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
     _add_streams(translate, _translate)
@@ -138,13 +144,16 @@ def _interpret(options: argparse.Namespace) -> int:
 
 
 def _speak(options: argparse.Namespace) -> int:
+    from mien.pipeline.options import score_of, share_of
     from mien.serve.modules.handlers import Speak
     from mien.speech.voices import get_voice
     from mien.text.languages import find_language
 
     library = _library(options)
     get_voice(options.voice, find_language(options.language))  # what is not there is told before anything comes in
-    handle = Speak(library, options.voice, options.seed, options.language)
+    amount = share_of("emotion in the voice", options.voice_emotion)
+    score = score_of(options.emotion)
+    handle = Speak(library, options.voice, options.seed, options.language, amount, score)
     return _run("speak", options, library, handle)
 
 

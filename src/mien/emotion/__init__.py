@@ -1,1 +1,1 @@
-"""Reading the emotion from a voice."""
+"""Emotion and the voice: read from one that was recorded, given to one that is synthetic."""

@@ -13,10 +13,11 @@ from mien.core.utterance import Utterance
 from mien.formats.sound_files import read_audio
 from mien.motion.performer import Performer
 from mien.text.commands import CommandLibrary
-from mien.text.score import EmotionSpan, Score
+from mien.text.score import UNDIRECTED, EmotionSpan, Score
 from mien.text.script import Script
 
 if TYPE_CHECKING:
+    from mien.pipeline.speak import Synthesiser
     from mien.pipeline.spoken import Spoken
 
 __all__ = ["heard", "is_timed", "read_text", "sound_of", "spoken_recording", "spoken_text"]
@@ -32,6 +33,9 @@ def spoken_text(
     language: str | Path | None = None,
     seed: int = 0,
     commands: str | Path | Sequence[str | Path] = (),
+    score: Score = UNDIRECTED,
+    voice_emotion: float = 1.0,
+    synthesiser: Synthesiser | None = None,
 ) -> Spoken:
     """The first half of `say`: a text with a voice and all its direction in time, before anybody performs it.
 
@@ -41,6 +45,12 @@ def spoken_text(
         Must have the emotions that the text asks for.
     text, voice, language, seed, commands
         As for `say`.
+    score : Score
+        What is felt besides what the text says: the voice goes with it.
+    voice_emotion : float
+        How much it does, 0 to 1.
+    synthesiser : Synthesiser, optional
+        As for `mien.pipeline.speak.speak`.
 
     Raises
     ------
@@ -53,7 +63,8 @@ def spoken_text(
     library = _library(commands)
     script = _script(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    return translate(speak(script, voice, seed, library, language), library)
+    said = speak(script, voice, seed, library, language, score, voice_emotion, synthesiser)
+    return translate(said, library)
 
 
 def spoken_recording(

@@ -23,7 +23,7 @@ from mien.text.score import EmotionSpan, Score
 
 __all__ = [
     "DEFAULT_FPS", "Effort", "Emotions", "Rate", "efforts_of", "layer_of", "prepared", "score_of",
-    "score_with_voice", "split_auto", "with_heard_effort",
+    "score_with_voice", "share_of", "split_auto", "with_heard_effort",
 ]  # fmt: skip
 
 DEFAULT_FPS = 30
@@ -63,19 +63,32 @@ def prepared(
     elif speech_model is not None:
         raise InputError("a performer that is loaded has its speech model: give load_performer(name, speech_model)")
     performer.expression.check(score)
-    performer = replace(performer, prosody=AuthoredProsody(_strength(prosody)))
+    performer = replace(performer, prosody=AuthoredProsody(share_of("visual prosody", prosody)))
     if alive != "all":
         performer = replace(performer, idle=AuthoredIdle.of(alive))
     return performer, score, rate
 
 
-def _strength(prosody: float | str) -> float:
-    if isinstance(prosody, str) and prosody.strip().lower() == "off":
-        return 0.0
+def share_of(what: str, asked: float | str) -> float:
+    """A share that may be given as "off".
+
+    Raises
+    ------
+    InputError
+        If it is no number from 0 to 1.
+
+    Examples
+    --------
+    >>> share_of("visual prosody", "off"), share_of("visual prosody", "0.5")
+    (0.0, 0.5)
+    """
     try:
-        return float(prosody)
-    except (TypeError, ValueError) as problem:
-        raise InputError(f"visual prosody is 'off' or a number from 0 to 1, not {prosody!r}") from problem
+        share = 0.0 if isinstance(asked, str) and asked.strip().lower() == "off" else float(asked)
+    except (TypeError, ValueError):
+        share = -1.0
+    if not 0 <= share <= 1:
+        raise InputError(f"{what} is 'off' or a number from 0 to 1, not {asked!r}")
+    return share
 
 
 def score_of(emotion: Emotions) -> Score:

@@ -13,6 +13,7 @@ from mien.core.audio import Audio
 from mien.core.errors import InputError, MienError, Note
 from mien.core.timeline import Tier
 from mien.core.utterance import Utterance
+from mien.emotion.emotional_voice import Kept, with_feeling
 from mien.pipeline.script_places import Clock
 from mien.pipeline.spoken import Spoken
 from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
@@ -23,18 +24,20 @@ from mien.text.intensity import IntensityCurve
 from mien.text.languages import read_words
 from mien.text.normalisation import spoken_words
 from mien.text.parameter_curves import ParameterCurve
-from mien.text.score import EmotionSpan
+from mien.text.score import UNDIRECTED, EmotionSpan, Score
 from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion, Script, Segment
 from mien.text.spoken_text import SpokenText
 from mien.text.sync_points import Moment, plain
 
-__all__ = ["place", "speak", "speak_over"]
+__all__ = ["Synthesiser", "place", "speak", "speak_over"]
 
 _RATE = 24_000  # samples per second where nothing is said
 _STILL = 1.0  # seconds that a command without words is followed by
 _ROOM = 0.1  # seconds after the last gesture
 _EARLY = 1000.0  # ms before the sound at which a command may begin
 Result = TypeVar("Result")
+Synthesiser = Callable[..., Utterance]
+"""Called as `mien.speech.synthesis.synthesise` is."""
 
 
 def speak(
@@ -43,6 +46,9 @@ def speak(
     seed: int = 0,
     library: CommandLibrary | None = None,
     language: str | Path | None = None,
+    score: Score = UNDIRECTED,
+    voice_emotion: float = 1.0,
+    synthesiser: Synthesiser | None = None,
 ) -> Spoken:
     """Speak a script and give its direction times.
 
@@ -56,6 +62,12 @@ def speak(
         For the parameters that a command's length goes into.
     language : str, Path or None
         As for `mien.say`; goes before the language that the script names.
+    score : Score
+        What is felt besides what the script says, in seconds of the result.
+    voice_emotion : float
+        How much the voice goes with what is felt, 0 to 1.
+    synthesiser : Synthesiser, optional
+        Speaks the plain text instead of `mien.speech.synthesis.synthesise`: one that remembers, for instance.
 
     Raises
     ------
@@ -64,8 +76,9 @@ def speak(
     MissingPartError
         If a voice is not installed.
     """
-    joined = _spoken(script, voice or script.voice, seed, language or script.language)
-    changed = _with_room(_reshaped(joined, script), script, library or shipped_library())
+    joined = _spoken(script, voice or script.voice, seed, language or script.language, synthesiser)
+    felt = _felt(_reshaped(joined, script), script, score, voice_emotion, seed)
+    changed = _with_room(felt, script, library or shipped_library())
     return place(script, changed, library)
 
 
@@ -108,7 +121,13 @@ def speak_over(
     return place(script, Joined(utterance, tuple(places)), library)
 
 
-def _spoken(script: Script, voice: str | None, seed: int, language: str | Path | None) -> Joined:
+def _spoken(
+    script: Script,
+    voice: str | None,
+    seed: int,
+    language: str | Path | None,
+    synthesiser: Synthesiser | None = None,
+) -> Joined:
     from mien.speech.synthesis import synthesise
 
     told = [n for n, s in enumerate(script.segments) if any(char.isalnum() for char in s.text)]
@@ -120,7 +139,9 @@ def _spoken(script: Script, voice: str | None, seed: int, language: str | Path |
         spellings = [(s.start, s.end, s.phones) for s in segment.spellings]
         own, notes = _own_voice(segment.voice)
         spoken_in = None if own else language
-        said = synthesise(segment.text, voice=own or voice, seed=seed, language=spoken_in, spellings=spellings)
+        said = (synthesiser or synthesise)(
+            segment.text, voice=own or voice, seed=seed, language=spoken_in, spellings=spellings
+        )
         said = said.with_notes(*notes)
         pieces[number] = said, read_words(segment.text, spoken_in, said.language)
     first, spoken = pieces[told[0]]
@@ -199,6 +220,20 @@ def _reshaped(joined: Joined, script: Script) -> Joined:
         if end > start:
             changes.append(Change(start, end, item.rate, item.pitch, item.volume))
     return replace(joined, utterance=reshape(joined.utterance, changes))
+
+
+def _felt(joined: Joined, script: Script, score: Score, amount: float, seed: int) -> Joined:
+    """Spoken with what is felt; rate, pitch and volume that the script sets stay as set."""
+    if joined.utterance.timing == "none" or not (script.emotions or score.emotions):
+        return joined
+    clock = Clock(joined, script.points)
+    kept = []
+    for item in script.prosody:
+        start, end = item.start.resolve(clock.time_of) / 1000, item.end.resolve(clock.time_of) / 1000
+        asked = (("rate", item.rate != 1), ("pitch", item.pitch != 0), ("volume", item.volume != 0))
+        kept.append(Kept(start, end, frozenset(name for name, is_set in asked if is_set)))
+    at_words = Score(_emotions(script.emotions, clock))
+    return replace(joined, utterance=with_feeling(joined.utterance, at_words, score, amount, kept, seed))
 
 
 def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joined:

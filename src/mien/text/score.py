@@ -13,7 +13,10 @@ from mien.text.effort_spans import EffortSpan
 from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
 from mien.text.parameter_curves import ParameterCurve
 
-__all__ = ["UNDIRECTED", "EmotionSpan", "Score"]
+__all__ = ["RAMP", "UNDIRECTED", "EmotionSpan", "Score"]
+
+RAMP = 0.35
+"""Seconds over which an emotion comes and goes where it starts or ends inside the line."""
 
 _WRITTEN = re.compile(
     r"(?P<name>[^\[\]:@,]+)(\[\s*(?P<start>\d*\.?\d+)?\s*-\s*(?P<end>\d*\.?\d+)?\s*\])?(:(?P<intensity>.*))?"
@@ -83,6 +86,22 @@ class EmotionSpan:
         if isinstance(self.intensity, IntensityCurve):
             return self.intensity.at(seconds)
         return np.full(len(seconds), float(self.intensity))
+
+    def asked_at(self, seconds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much of the emotion is asked for at instants, shape (times,): 0 outside the stretch.
+
+        It comes and goes with half a cosine over `RAMP` about each end that lies inside the line.
+        """
+        asked = self.intensity_at(seconds)
+        if self.start is not None:
+            asked = asked * _ease((seconds - self.start) / RAMP + 0.5)
+        if self.end is not None:
+            asked = asked * _ease((self.end - seconds) / RAMP + 0.5)
+        return asked
+
+
+def _ease(passed: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray((1 - np.cos(np.pi * np.clip(passed, 0.0, 1.0))) / 2)
 
 
 @dataclass(frozen=True)

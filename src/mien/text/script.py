@@ -72,7 +72,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Prosody:
-    """How a stretch is spoken: ``rate`` (1: as usual, 2: twice as fast), ``pitch`` in semitones, ``volume`` in dB."""
+    """How a stretch is spoken: ``rate`` (1: as usual, 2: twice as fast), ``pitch`` in semitones, ``volume`` in dB.
+
+    What is as usual was not asked for: there the voice does what the emotion asks.
+    """
 
     start: Moment
     end: Moment

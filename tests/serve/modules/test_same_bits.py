@@ -39,7 +39,8 @@ def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, said: str, emotion:
         library, performer, rate, 3, score, lambda made, *_: write_native(made, tmp_path / "pipe.json") and None
     )
     text = said
-    for module in (Interpret(library), Speak(library, "kokoro-heart", 3), Translate(library, lambda notes: None)):
+    speak = Speak(library, "kokoro-heart", 3, score=score)
+    for module in (Interpret(library), speak, Translate(library, lambda notes: None)):
         (text,) = module(Message(text, 1), 1)
         assert "\n" not in text
     assert not list(perform(Message(text, 1), 1))

@@ -18,12 +18,10 @@ from mien.core.timeline import FrameRate
 from mien.motion.expression.expression_space import RATE, ExpressionSpace
 from mien.text.score import EmotionSpan, Score
 
-__all__ = ["NEUTRAL", "RAMP", "Expression", "weights_of"]
+__all__ = ["NEUTRAL", "Expression", "weights_of"]
 
 Floats = NDArray[np.float64]
 NEUTRAL = "neutral"
-RAMP = 0.35
-"""Seconds over which an emotion comes and goes where it starts or ends inside the line."""
 
 
 class Expression:
@@ -116,20 +114,6 @@ def weights_of(score: Score, times: Floats) -> Floats:
     >>> weights_of(score, np.array([1.0])).round(2).ravel().tolist()
     [0.0, 0.5, 0.5]
     """
-    asked = np.array([span.intensity_at(times) * _ramp(times, span) for span in score.emotions]).reshape(-1, len(times))
+    asked = np.array([span.asked_at(times) for span in score.emotions]).reshape(-1, len(times))
     asked /= np.maximum(asked.sum(axis=0), 1.0)
     return np.concatenate([1 - asked.sum(axis=0, keepdims=True), asked])
-
-
-def _ramp(times: Floats, span: EmotionSpan) -> Floats:
-    """1 inside the span, 0 outside, half a cosine over `RAMP` about each end that lies inside the line."""
-    weight = np.ones(len(times))
-    if span.start is not None:
-        weight *= _ease((times - span.start) / RAMP + 0.5)
-    if span.end is not None:
-        weight *= _ease((span.end - times) / RAMP + 0.5)
-    return weight
-
-
-def _ease(passed: Floats) -> Floats:
-    return np.asarray((1 - np.cos(np.pi * np.clip(passed, 0.0, 1.0))) / 2)

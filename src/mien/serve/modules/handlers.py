@@ -31,7 +31,7 @@ from mien.serve.modules.xml_form import (
 )
 from mien.text.commands import CommandLibrary
 from mien.text.parameter_curves import ParameterCurve
-from mien.text.score import Score
+from mien.text.score import UNDIRECTED, Score
 from mien.text.script import DirectedCurve, Script
 from mien.text.script_reading import read_script
 from mien.text.sync_points import Moment
@@ -91,9 +91,16 @@ class Speak:
     """``interpreted`` to ``spoken``: speech, and a time for everything; bare commands pass."""
 
     def __init__(
-        self, library: CommandLibrary, voice: str | None = None, seed: int = 0, language: str | None = None
+        self,
+        library: CommandLibrary,
+        voice: str | None = None,
+        seed: int = 0,
+        language: str | None = None,
+        voice_emotion: float = 1.0,
+        score: Score = UNDIRECTED,
     ) -> None:
         self.library, self.voice, self.seed, self.language = library, voice, seed, language
+        self.voice_emotion, self.score = voice_emotion, score
 
     def __call__(self, message: Message, number: int) -> Iterator[str]:
         """Lines for one message."""
@@ -104,7 +111,8 @@ class Speak:
         element = element_of(message.text)
         if element.tag != "interpreted":
             raise _unexpected(element, "<interpreted> from 'mien interpret', or a command", self.library)
-        spoken = speak(read_script_element(element), self.voice, self.seed, self.library, self.language)
+        script = read_script_element(element)
+        spoken = speak(script, self.voice, self.seed, self.library, self.language, self.score, self.voice_emotion)
         yield one_line(spoken_element(spoken, element.get("id", str(number))))
 
 

@@ -1,4 +1,4 @@
-"""A mouth that remembers what it did last: emotions and drawn intensities leave it as it is."""
+"""A mouth and a voice that remember what they did last: emotions and drawn intensities leave them as they are."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from mien.core.timeline import FrameRate
 from mien.core.utterance import Utterance
 from mien.motion.mouth.hand_made_mouth import MouthMotion
 from mien.motion.performer import MouthModel
+from mien.serve.studio.lru_store import Kept
 
-__all__ = ["RememberingMouth"]
+__all__ = ["RememberingMouth", "RememberingVoice"]
 
 
 class RememberingMouth:
@@ -46,3 +47,27 @@ class RememberingMouth:
             while len(self._kept) > self._most:
                 self._kept.popitem(last=False)
         return motion
+
+
+class RememberingVoice:
+    """`mien.speech.synthesis.synthesise`, asked once for the same plain text: what is felt is given to it afterwards.
+
+    Parameters
+    ----------
+    most : int
+        How many texts are kept.
+    """
+
+    def __init__(self, most: int = 16) -> None:
+        self._kept: Kept[Utterance] = Kept("speech", most)
+
+    def __call__(self, text: str, **asked: object) -> Utterance:
+        """As `synthesise` does."""
+        from mien.speech.synthesis import synthesise
+
+        key = repr((text, sorted(asked.items())))
+        if key in self._kept:
+            return self._kept.get(key)
+        said = synthesise(text, **asked)  # type: ignore[arg-type]
+        self._kept.put(said, name=key)
+        return said

@@ -47,7 +47,7 @@ class TakeRequest:
     fps : str
     seed : int
     performer : str
-    prosody : float
+    prosody, voice_emotion : float
     effort : str
         As for `mien.say` and `mien.animate`, without files; ``"auto"``: of a sound, else as the emotions have it.
     song : bool
@@ -64,6 +64,7 @@ class TakeRequest:
     speech_model: str | None = None
     prosody: float = 0.5
     effort: str = "auto"
+    voice_emotion: float = 1.0
     song: bool = False
 
     @classmethod
@@ -220,6 +221,15 @@ def _effort(value: Any, limits: Limits) -> str:
     return text
 
 
+def _voice_emotion(value: Any, limits: Limits) -> float:
+    from mien.pipeline.options import share_of
+
+    try:
+        return share_of("emotion in the voice", value)
+    except InputError as problem:
+        raise FieldError("voice_emotion", str(problem)) from problem
+
+
 def _song(value: Any, limits: Limits) -> bool:
     truths = {True: True, False: False, "true": True, "false": False, "1": True, "0": False}
     if not isinstance(value, (bool, str)) or value not in truths:
@@ -238,5 +248,6 @@ _READERS = {
     "speech_model": _speech_model,
     "prosody": _prosody,
     "effort": _effort,
+    "voice_emotion": _voice_emotion,
     "song": _song,
 }

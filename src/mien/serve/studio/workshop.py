@@ -33,7 +33,7 @@ from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
 from mien.serve.studio.jobs import Job, JobPool
 from mien.serve.studio.lru_store import Kept
-from mien.serve.studio.page_memory import RememberingMouth
+from mien.serve.studio.page_memory import RememberingMouth, RememberingVoice
 from mien.serve.studio.requests import FieldError, TakeRequest
 from mien.serve.studio.results import Export, ResultShelf
 from mien.serve.studio.rigs import RigShelf
@@ -42,6 +42,7 @@ from mien.serve.studio.studio_faces import DEFAULT_FACE, FaceShelf
 from mien.serve.studio.studio_lines import checked_script
 from mien.serve.studio.studio_takes import Basis, Source, Take, plain_notes
 from mien.serve.studio.views import Shown
+from mien.text.score import Score
 
 __all__ = ["Workshop"]
 
@@ -66,6 +67,7 @@ class Workshop:
         self.rigs = RigShelf(limits)
         self._performers: dict[tuple[str, str | None], Performer] = {}
         self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
+        self._voice = RememberingVoice()
         self._lock = RLock()
 
     def close(self) -> bool:
@@ -129,7 +131,7 @@ class Workshop:
             raise FieldError("emotion", str(problem)) from problem
         performer = replace(performer, prosody=AuthoredProsody(request.prosody))
         job.at("listening" if source is not None else "voice", 0.1)
-        spoken = self._speech(request, source, performer)
+        spoken = self._speech(request, source, performer, score)
         if spoken.utterance.duration > self.limits.seconds:
             told = f"{spoken.utterance.duration:.0f} s of sound; the studio takes {self.limits.seconds:.0f} s"
             raise FieldError("text", f"the line makes {told}")
@@ -176,11 +178,12 @@ class Workshop:
                 self._performers[key] = replace(loaded, mouth=RememberingMouth(loaded.mouth))
             return self._performers[key]
 
-    def _speech(self, request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+    def _speech(self, request: TakeRequest, source: Source | None, performer: Performer, score: Score) -> Spoken:
         """What is said and when: of the voice, or in the sound; as before, if it was asked for a short while ago."""
         sound = "" if source is None else source.digest
         asked = (request.text, request.voice, request.language, request.seed, request.song, sound, request.performer)
-        return self._remembered(repr(asked), lambda: self._spoken_now(request, source, performer))
+        felt = () if sound else (request.emotion, request.voice_emotion)  # a voice of ours goes with what is felt
+        return self._remembered(repr((*asked, *felt)), lambda: self._spoken_now(request, source, performer, score))
 
     def _remembered(self, key: str, make: Callable[[], Spoken]) -> Spoken:
         if key in self._spoken:
@@ -189,11 +192,20 @@ class Workshop:
         self._spoken.put(made, name=key)
         return made
 
-    def _spoken_now(self, request: TakeRequest, source: Source | None, performer: Performer) -> Spoken:
+    def _spoken_now(self, request: TakeRequest, source: Source | None, performer: Performer, score: Score) -> Spoken:
         text = checked_script(request.text, request.language, self.limits) if request.text.strip() else None
         if source is None:
             assert text is not None  # `TakeRequest` has seen to it
-            return spoken_text(text, performer, voice=request.voice, language=request.language, seed=request.seed)
+            return spoken_text(
+                text,
+                performer,
+                voice=request.voice,
+                language=request.language,
+                seed=request.seed,
+                score=score,
+                voice_emotion=request.voice_emotion,
+                synthesiser=self._voice,
+            )
         return spoken_recording(
             source.sound,
             performer,
