@@ -71,12 +71,21 @@ def test_the_sound_comes_whole_and_in_parts(client: Client, take: str) -> None:
     assert client.ask("GET", f"/api/takes/{take}/sound.wav", Range="bytes=999999999-").status == 416
 
 
-def test_another_emotion_does_not_speak_again(client: Client, take: str) -> None:
+def test_another_emotion_sounds_so_without_speaking_again(
+    client: Client, take: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("the text was spoken again")
+
+    monkeypatch.setattr("mien.speech.synthesis.synthesise", never)
     told = client.finished(client.ask("POST", f"/api/takes/{take}/redo", {"emotion": "sad"}))
     again = client.ask("GET", f"/api/takes/{told['take']}").json
     assert again["emotions"][0]["name"] == "sad"
-    old, new = (client.workshop.takes.get(name) for name in (take, told["take"]))
-    assert new.animation.utterance.audio is old.animation.utterance.audio
+    old, new = (client.workshop.takes.get(name).animation for name in (take, told["take"]))
+    assert new.utterance.duration > 1.1 * old.utterance.duration
+    told = client.finished(client.ask("POST", f"/api/takes/{take}/redo", {"emotion": "sad", "voice_emotion": "off"}))
+    plain = client.workshop.takes.get(told["take"]).animation
+    assert old.utterance.duration < plain.utterance.duration < new.utterance.duration  # the old one is angry
 
 
 def test_an_uploaded_sound_is_performed(client: Client, take: str) -> None:
