@@ -207,7 +207,7 @@ def test_faults_of_a_layer_are_told_with_their_place(client: Client, take: str) 
 
 
 def test_without_emotions_the_borders_stay_moved(client: Client) -> None:
-    take = client.take(text=LINE, emotion="angry:0.7", fps=30)
+    take = client.take(text=LINE, emotion="angry:0.7", voice_emotion=0, fps=30)
     client.ask("PUT", f"/api/takes/{take}/edits", edits(JAW, BORDER, RISE))
     calm = client.take(text=LINE, fps=30)
     client.ask("PUT", f"/api/takes/{calm}/edits", edits(BORDER))
