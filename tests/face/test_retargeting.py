@@ -6,9 +6,10 @@ from scipy.optimize import lsq_linear
 
 from mien.core.channels import MOUTH
 from mien.core.errors import InputError
+from mien.face import retargeting
 from mien.face.library import load_face
 from mien.face.model import Face
-from mien.face.retargeting import ITERATIONS, STILL, Retargeter, _descended, basis_at
+from mien.face.retargeting import Retargeter, basis_at
 
 CHANNELS = tuple(n for n in MOUTH if not n.startswith(("tongue", "cheek", "mouthClose")))
 
@@ -77,31 +78,16 @@ def test_what_does_not_fit_is_refused(face: Face, sites: list[tuple[str, int]]) 
         Retargeter(face, sites, ("jawOpen", "tongueBackUp"))
 
 
-def descended_plainly(gram: np.ndarray, goal: np.ndarray, steady: float, step: float) -> np.ndarray:
-    """The kernel's steps on whole arrays."""
-    weights = np.zeros_like(goal)
-    ahead, momentum = weights, 1.0
-    for _ in range(ITERATIONS):
-        slope = ahead @ gram - goal
-        change = np.diff(ahead, axis=0) * steady
-        slope[:-1] -= change
-        slope[1:] += change
-        new = np.clip(ahead - step * slope, 0.0, 1.0)
-        moved = new - weights
-        if ((ahead - new) * moved).sum() > 0:
-            momentum = 1.0
-        next_momentum = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
-        ahead = new + (momentum - 1) / next_momentum * moved
-        weights, momentum = new, next_momentum
-        if np.abs(moved).max(initial=0.0) < STILL:
-            break
-    return weights
-
-
-@pytest.mark.parametrize("frames", [1, 2, 40])
-def test_the_kernel_agrees_with_its_plain_reference(frames: int) -> None:
-    random = np.random.default_rng(frames)
-    basis = random.normal(0, 1, (12, 30))
-    gram, goal = basis @ basis.T + 0.1 * np.eye(12), random.normal(0.3, 0.4, (frames, 12)) @ basis @ basis.T
-    step = 1 / (np.linalg.eigvalsh(gram)[-1] + 4 * 0.5)
-    np.testing.assert_allclose(_descended(gram, goal, 0.5, step), descended_plainly(gram, goal, 0.5, step), atol=1e-5)
+@pytest.mark.parametrize("fps", [30.0, 120.0])
+def test_windows_give_what_the_whole_line_gives(
+    face: Face, sites: list[tuple[str, int]], fps: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng(4)
+    weights = np.clip(random.normal(0.2, 0.3, (round(5 * fps) + 7, len(CHANNELS))), 0, 1)
+    asked = np.einsum("tk,kmd->tmd", weights, basis_at(face, sites, CHANNELS))
+    retargeter = Retargeter(face, sites, CHANNELS)
+    whole = retargeter.solve(asked, fps).weights
+    monkeypatch.setattr(retargeting, "_WINDOW", 1.5)
+    windows = retargeter.solve(asked, fps).weights
+    assert not np.array_equal(whole, windows)
+    assert np.abs(whole - windows).max() < 1e-3

@@ -26,18 +26,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.channels import ARKIT
+from mien.core.derived import read_derived
 from mien.core.errors import InputError
 from mien.face.model import Face, Part
 
 __all__ = [
-    "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "load_marker_places", "place_markers", "skin_of",
-    "warp_between",
+    "DERIVED", "GIVEN", "MarkerPlaces", "Placed", "SkinDistances", "derived_sites", "load_marker_places",
+    "place_markers", "skin_of", "sources", "warp_between",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Site = tuple[str, int]
 
+DERIVED = "marker_sites"
 GIVEN = "marker:"
 """Prefix of a face's own sites of markers."""
 _IRISES = {"Right": range(468, 473), "Left": range(473, 478)}  # MediaPipe's landmarks on the eyeballs
@@ -175,7 +177,7 @@ def place_markers(face: Face, layout: MarkerPlaces, names: Sequence[str] | None 
         return Placed(tuple(wanted), sites, _positions(face, sites), "given", _scale_of(face))
     default = _default()
     if _same_mesh(face, default):
-        sites = _on_skin(default, layout, layout.places)
+        sites = _on_default(default, layout)
         chosen = tuple(sites[row] for row in rows)
         ahead = _positions(face, chosen) - _positions(default, chosen)
         return Placed(tuple(wanted), chosen, layout.places[rows] + ahead, "same mesh", _scale_of(face))
@@ -185,6 +187,33 @@ def place_markers(face: Face, layout: MarkerPlaces, names: Sequence[str] | None 
     given = {name: face.sites[GIVEN + name] for name in wanted if GIVEN + name in face.sites}
     chosen = tuple(given.get(name, sites[row]) for name, row in zip(wanted, rows, strict=True))
     return Placed(tuple(wanted), chosen, places[rows], "transferred", scale)
+
+
+def _on_default(default: Face, layout: MarkerPlaces) -> tuple[Site, ...]:
+    """Where a layout's markers are on the default face: as it was worked out, for a layout that comes with mien."""
+    kept = read_derived(DERIVED, sources()) or {}
+    places, found = kept.get(f"{layout.name}/places"), kept.get(f"{layout.name}/sites")
+    if places is None or found is None or not np.array_equal(places, layout.places):
+        return _on_skin(default, layout, layout.places)
+    return tuple((default.parts[part].name, vertex) for part, vertex in found.tolist())
+
+
+def sources() -> tuple[str, ...]:
+    """Files of ``assets`` that the markers' vertices on the default face are worked out from."""
+    layouts = sorted(entry.name for entry in files("mien").joinpath("assets", "markers").iterdir())
+    return ("faces/default.npz", "regions/mediapipe-218.toml", *(f"markers/{name}" for name in layouts))
+
+
+def derived_sites() -> dict[str, NDArray[Any]]:
+    """Part and vertex of each marker of the layouts that come with mien, on the default face (`mien.core.derived`)."""
+    default, found = _default(), dict[str, NDArray[Any]]()
+    numbers = {part.name: number for number, part in enumerate(default.parts)}
+    for source in sources()[2:]:
+        layout = load_marker_places(source.removeprefix("markers/").removesuffix(".toml"))
+        sites = _on_skin(default, layout, layout.places)
+        found[f"{layout.name}/places"] = layout.places
+        found[f"{layout.name}/sites"] = np.array([(numbers[part], vertex) for part, vertex in sites], dtype=np.int64)
+    return found
 
 
 def _same_mesh(face: Face, default: Face) -> bool:

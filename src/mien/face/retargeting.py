@@ -1,7 +1,7 @@
 """From the motion of places on a face to the weights of its morph targets: bounded least squares, steady in time.
 
 Each frame asks for displacements ``d`` (markers x 3, mm) of known places; at weight 1 the target ``k`` moves them by
-``B_k``. All frames are solved at once::
+``B_k``. All frames are solved together::
 
     minimise  sum_t |B w_t - d_t|^2 + ridge |w_t|^2 + steadiness |w_t - w_(t-1)|^2     with 0 <= w <= 1
 
@@ -11,13 +11,13 @@ momentum and restarts (O'Donoghue & Candes 2015), which factorises nothing and g
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mien.core.compiled import njit
 from mien.core.errors import InputError
 from mien.face.model import Face
 
@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 Site = tuple[str, int]
 
 ITERATIONS = 2000
+_WINDOW, _OVERLAP = 20.0, 1.0  # seconds that are solved at once, and how far beyond them is looked
 STILL = 1e-6  # largest change of a weight in a step at which the solution counts as reached
 
 
@@ -112,7 +113,7 @@ class Retargeter:
         flat = (self.basis * self.weights).reshape(len(self.channels), -1)
         scale = float((flat**2).sum(axis=1).mean())
         steady = self.steadiness * scale * (fps / 30.0) ** 2
-        weights = _solve(flat, (asked * self.weights).reshape(len(asked), -1), self.ridge * scale, steady)
+        weights = _solve(flat, (asked * self.weights).reshape(len(asked), -1), self.ridge * scale, steady, fps)
         missed = np.einsum("tc,cmx->tmx", weights, self.basis) - asked
         return Retargeted(weights, np.sqrt((missed**2).sum(axis=2).mean(axis=1)))
 
@@ -136,47 +137,45 @@ def basis_at(face: Face, sites: Sequence[Site], channels: Sequence[str]) -> Floa
     return basis
 
 
-def _solve(basis: Floats, asked: Floats, ridge: float, steady: float) -> Floats:
-    """Bounded least squares over all frames; ``basis`` (channels, 3 markers), ``asked`` (frames, 3 markers)."""
+def _solve(basis: Floats, asked: Floats, ridge: float, steady: float, fps: float) -> Floats:
+    """Bounded least squares over all frames; ``basis`` (channels, 3 markers), ``asked`` (frames, 3 markers).
+
+    In windows that overlap: what a frame asks for is forgotten within a few frames (the steadiness is of the ridge's
+    size), so a long line costs as much per second as a short one, and no more memory at a time.
+    """
     gram = basis @ basis.T + ridge * np.eye(len(basis))
-    goal = asked @ basis.T
-    step = 1.0 / (np.linalg.eigvalsh(gram)[-1] + 4 * steady)
-    solved: Floats = _descended(gram, goal, float(steady), float(step))
-    return solved
+    step = float(1.0 / (np.linalg.eigvalsh(gram)[-1] + 4 * steady))
+    kept, beside = max(1, round(_WINDOW * fps)), max(1, round(_OVERLAP * fps))
+    weights = np.empty((len(asked), len(basis)))
+    for first in range(0, len(asked), kept):
+        last = min(first + kept, len(asked))
+        begin, end = max(0, first - beside), min(len(asked), last + beside)
+        found = _descended(gram, asked[begin:end] @ basis.T, steady, step)
+        weights[first:last] = found[first - begin : last - begin]
+    return weights
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _descended(gram: Floats, goal: Floats, steady: float, step: float) -> Floats:
     """Projected descent with momentum, all frames at once; `descended_plainly` in the tests is its reference."""
-    frames, channels = goal.shape
     weights, ahead, momentum = np.zeros_like(goal), np.zeros_like(goal), 1.0
-    new = np.empty_like(goal)
     for _ in range(ITERATIONS):
-        slope = np.dot(ahead, gram)
-        uphill = largest = 0.0
-        for frame in range(frames):
-            for channel in range(channels):
-                here = ahead[frame, channel]
-                pull = slope[frame, channel] - goal[frame, channel]
-                if frame + 1 < frames:
-                    pull -= (ahead[frame + 1, channel] - here) * steady
-                if frame > 0:
-                    pull += (here - ahead[frame - 1, channel]) * steady
-                value = min(max(here - step * pull, 0.0), 1.0)
-                moved = value - weights[frame, channel]
-                new[frame, channel] = value
-                uphill += (here - value) * moved
-                largest = max(largest, abs(moved))
-        if uphill > 0:  # the momentum points uphill: start it anew
+        pull = ahead @ gram
+        pull -= goal
+        change = np.diff(ahead, axis=0)
+        change *= steady
+        pull[:-1] -= change
+        pull[1:] += change
+        pull *= -step
+        pull += ahead
+        new = np.clip(pull, 0.0, 1.0, out=pull)
+        moved = new - weights
+        ahead -= new
+        if (ahead * moved).sum() > 0:  # the momentum points uphill: start it anew
             momentum = 1.0
-        next_momentum = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
-        share = (momentum - 1) / next_momentum
-        for frame in range(frames):
-            for channel in range(channels):
-                value = new[frame, channel]
-                ahead[frame, channel] = value + share * (value - weights[frame, channel])
-                weights[frame, channel] = value
-        momentum = next_momentum
-        if largest < STILL:
+        next_momentum = (1 + math.sqrt(1 + 4 * momentum**2)) / 2
+        ahead = ((momentum - 1) / next_momentum) * moved
+        ahead += new
+        weights, momentum = new, next_momentum
+        if np.abs(moved).max(initial=0.0) < STILL:
             break
     return weights
