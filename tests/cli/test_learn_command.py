@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,36 @@ def test_the_speech_model_is_chosen_and_asked_for(
     assert len(set(written)) == 3
     assert main(["say", "Me too.", "-o", str(tmp_path / "own.csv"), "--quiet"]) == 0
     assert (tmp_path / "own.csv").read_bytes() == written[2]
+
+
+def test_what_is_missing_is_said_and_several_speakers_are_refused(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    manifest = folder / "manifest.jsonl"
+    named = tmp_path / "two"
+    shutil.copytree(folder, named)
+    lines = manifest.read_text().splitlines()
+    lines[0] = lines[0].replace('"speaker": ""', '"speaker": "bob"')
+    (named / "manifest.jsonl").write_text("\n".join(lines) + "\n")
+    assert learn(named, "-o", str(tmp_path / "a.mien"), "--speech-model", "coarticulation") == 2
+    assert "2 speakers: (not named) 15 takes, bob 1 takes" in capsys.readouterr().err
+    assert main(["corpus", "check", str(named)]) in (0, 1)
+    assert "'mien learn' would refuse it: one mouth cannot be learned from 2 speakers" in capsys.readouterr().out
+    mixed = ["-o", str(tmp_path / "b.mien"), "--speech-model", "coarticulation", "--speakers", "mixed"]
+    assert learn(named, *mixed) == 0
+    told = capsys.readouterr().err
+    assert "one mouth is learned from 2 speakers" in told
+    assert "phones: 4 of 39, none of" in told
+
+
+def test_an_import_that_was_killed_is_reported(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    killed = tmp_path / "killed"
+    shutil.copytree(folder, killed)
+    (killed / "manifest.jsonl").rename(killed / "importing.jsonl")
+    for command in (["learn", str(killed), "-o", str(tmp_path / "k.mien")], ["evaluate", "authored", str(killed)]):
+        assert main(command) == 2
+        assert "its import was not finished (16 takes made and not in the corpus yet)" in capsys.readouterr().err
+    assert main(["corpus", "check", str(killed)]) == 1
+    assert "its import was not finished" in capsys.readouterr().out

@@ -253,9 +253,9 @@ def test_a_tracker_that_ends_is_told_and_started_anew(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("fake_tracker")
 def test_a_video_without_a_face_or_without_pictures_is_refused(tmp_path: Path) -> None:
-    write_video(tmp_path / "a.mkv", [60, 20, 20, 20])
+    write_video(tmp_path / "a.mkv", [20, 20, 20, 20])
     reader, recipe = reader_named("video"), load_recipe("video")
-    with pytest.raises(InputError, match=r"a\.mkv: no face found in 3 of 4 frames, first in frame 1"):
+    with pytest.raises(InputError, match=r"a\.mkv: no face found in any of 4 frames"):
         reader.read(reader.find(tmp_path)[0], recipe)
     (tmp_path / "b.mp4").write_bytes(b"no video at all")
     with pytest.raises(InputError, match=r"b\.mp4: expected a video"):

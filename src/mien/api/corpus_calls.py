@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mien.animation.animation import Animation
-from mien.core.errors import InputError, unknown_name
+from mien.core.errors import InputError, Note, unknown_name
 from mien.core.files import check_writable
 from mien.corpus.importing import import_corpus
 from mien.corpus.recordings import Corpus

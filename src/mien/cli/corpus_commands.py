@@ -99,13 +99,22 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
+    from mien.core.errors import InputError, Note
     from mien.corpus.checking import check_corpus
     from mien.corpus.recordings import Corpus
+    from mien.motion.learning_judgement import judge_corpus
 
     corpus = Corpus(options.corpus)
     with _Bar("takes", options.quiet) as bar:
         result = check_corpus(corpus, bar)
     print(result)
+    with _Bar("takes", options.quiet) as bar:
+        try:
+            notes = judge_corpus(corpus, progress=bar).notes
+        except InputError as problem:
+            notes = (Note("warning", f"'mien learn' would refuse it: {problem}"),)
+    for note in notes:
+        print(f"{'doubt' if note.kind == 'warning' else 'to learn'}: {note.message}")
     return 1 if any(fault.sure for fault in result.faults) else 0
 
 

@@ -24,6 +24,12 @@ def add_command(commands: Any) -> None:
     )
     learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
     learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
+    learn.add_argument(
+        "--speakers",
+        metavar="mixed|NAME",
+        default="one",
+        help="learn one mouth from several people (mixed), or from the one of this name (default: there must be one)",
+    )
     learn.add_argument("--quiet", action="store_true", help="say nothing but errors")
     learn.set_defaults(run=_learn)
 
@@ -56,6 +62,8 @@ def _learn(options: argparse.Namespace) -> int:
             name=options.name or path.stem,
             exclude_words=_listed(options.exclude_words),
             exclude_names=_listed(options.exclude_names),
+            speakers=options.speakers,
+            tell=lambda note: None if options.quiet else print(f"mien: {note.kind}: {note.message}", file=sys.stderr),
         )
     save_learned(learned, path)
     if not options.quiet:

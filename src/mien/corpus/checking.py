@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.cleaning.lag import Lag, lag_from_sound
+from mien.capture.cleaning.lag import MAX_LAG, Lag, lag_from_sound
 from mien.core.errors import InputError
 from mien.core.tracks import MarkerTrack
 from mien.corpus.recordings import Corpus, digest_of
@@ -163,6 +163,8 @@ def check_corpus(corpus: Corpus, progress: Callable[[int, int], None] | None = N
     if check.lag is not None and check.lag.confidence >= _SURE and abs(check.lag.seconds) > LATEST:
         message = f"the motion is {1000 * check.lag.seconds:+.0f} ms behind the sound: did both start together?"
         check.faults.append(Fault("", "all takes", None, message, sure=False))
+    if corpus.unfinished:
+        check.faults.append(Fault("", "importing.jsonl", None, corpus.unfinished))
     check.faults += _refused(corpus.folder / "refused.jsonl")
     return check
 
@@ -245,8 +247,8 @@ def _lag(corpus: Corpus) -> Lag | None:
 
 
 def _said(lag: Lag | None) -> str:
-    if lag is None:
-        return "not known"
+    if lag is None or np.isnan(lag.seconds):
+        return "not known" + ("" if lag is None else f" (no best fit within {1000 * MAX_LAG:.0f} ms)")
     spread = "" if np.isnan(lag.error) else f" ± {1000 * lag.error:.0f}"
     return f"{1000 * lag.seconds:+.0f}{spread} ms" + ("" if lag.confidence >= _SURE else " (may be chance)")
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mien.capture.layouts import Layout, find_layout, load_layout
 from mien.core.errors import InputError
+from mien.corpus.face_loss import check_face
 from mien.corpus.readers import Found, Raw, reader_named
 from mien.corpus.recipes import Recipe
 from mien.corpus.recordings import Corpus
@@ -80,6 +81,7 @@ def prepare(job: Job) -> Take:
     layout = layout_for(job.recipe, raw, source)
     if raw.audio is None:
         raise InputError(f"{source}: no sound in it or beside it; put a WAV of the same name beside it")
+    lost = check_face(raw.markers, source)
     motion = settled(raw, job.recipe, layout, job.reference, source)
     transcript = _transcript(job, source)
     speech = timed(raw.audio, transcript, job.recipe, source)
@@ -101,6 +103,7 @@ def prepare(job: Job) -> Take:
             "recipe": job.recipe.name,
             "fingerprint": job.fingerprint,
             "filled": str(motion.filled),
+            "lost": str(lost),
             "dropped": " ".join(motion.dropped),
             "confidence": "" if speech.confidence is None else f"{speech.confidence:.3f}",
             "notes": " | ".join(note.message for note in notes if note.kind == "note"),

@@ -16,6 +16,7 @@ from typing import Any
 from mien.core.errors import InputError, MienError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.corpus.capturing import capture_corpus
+from mien.corpus.cheap_checks import cheap_faults
 from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
 from mien.corpus.import_preparation import Job, prepare_and_write
 from mien.corpus.readers import detect, reader_named
@@ -122,6 +123,7 @@ def import_corpus(
     facts, strangers = facts_of(takes, chosen, said)
     notes += unused_rows(said, found, takes) + more
     takes = {name: recording for name, recording in takes.items() if name in facts}
+    takes, hopeless = cheap_faults(takes, facts, source)  # before anything is tracked
     corpus = _created(folder, chosen)
     shared = references(takes, facts, chosen, corpus, apart=workers != 0)
     if corpus.about.get("layout") != shared.layout:
@@ -131,7 +133,9 @@ def import_corpus(
     kept = [job.name for job in jobs if _is_done(job, corpus, journal)]
     waiting = [job for job in jobs if job.name not in set(kept)]
     imported, broken = _run(waiting, corpus, workers, cluster, progress, len(jobs))
-    failures = tuple(sorted([*failed, *strangers, *shared.failed, *broken], key=lambda failure: failure.name))
+    failures = tuple(
+        sorted([*failed, *strangers, *hopeless, *shared.failed, *broken], key=lambda failure: failure.name)
+    )
     _finish(corpus, failures)
     notes += _captured(corpus, workers, cluster)
     return ImportReport(corpus, tuple(sorted(imported)), tuple(sorted(kept)), failures, notes)

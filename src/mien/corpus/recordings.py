@@ -102,6 +102,18 @@ class Corpus:
         """Names of the takes, sorted."""
         return tuple(sorted(self.entries))
 
+    @property
+    def unfinished(self) -> str:
+        """What to say if an import was stopped or killed before its end; empty if none was."""
+        journal = self.folder / "importing.jsonl"
+        if not journal.exists():
+            return ""
+        made = len(journal.read_bytes().splitlines())
+        return (
+            f"{self.folder}: its import was not finished ({made} takes made and not in the corpus yet): "
+            "run the same 'mien corpus import' again, it goes on where it stopped"
+        )
+
     def __len__(self) -> int:
         return len(self.entries)
 

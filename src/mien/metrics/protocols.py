@@ -46,9 +46,12 @@ def recordings(corpus: Corpus) -> tuple[dict[str, Recording], tuple[Note, ...]]:
         except InputError as problem:
             faults.append(str(problem))
     if not ready:
+        if corpus.unfinished:
+            raise InputError(corpus.unfinished)
         reason = f"; the first says: {faults[0]}" if faults else ""
         raise InputError(f"{corpus.folder}: none of its {len(corpus)} takes can be scored{reason}")
-    return ready, tuple(Note("warning", f"left out: {fault}") for fault in faults)
+    unfinished = (Note("warning", corpus.unfinished),) if corpus.unfinished else ()
+    return ready, (*unfinished, *(Note("warning", f"left out: {fault}") for fault in faults))
 
 
 def evaluate_folds(

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from mien.core.errors import InputError, unknown_name
+from mien.core.errors import InputError, Note, unknown_name
 from mien.corpus.recordings import Corpus, identity_of
 from mien.corpus.take import Take
-from mien.motion.expression.expression_motion import find_twins
 from mien.motion.expression.recorded_expression import learn_expressions
 from mien.motion.graph.combined_motion import learned_residuals
 from mien.motion.graph.felt_takes import levelled
 from mien.motion.graph.graph_file import RecordedSpeech
 from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.motion.graph.weight_learning import TRIALS
+from mien.motion.learning_judgement import judge
 from mien.motion.maps.emotion_maps import learn_emotion_maps
 from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
 from mien.motion.mouth.influence_curves import fitting_cost
@@ -140,6 +140,8 @@ def learn_corpus(
     name: str = "learned",
     exclude_words: Collection[str] = (),
     exclude_names: Collection[str] = (),
+    speakers: str = "one",
+    tell: Callable[[Note], None] = lambda note: None,
 ) -> LearnedSpeech:
     """Learn speech from the neutral takes of a corpus, expressions and emotional speech from those with an emotion.
 
@@ -154,11 +156,15 @@ def learn_corpus(
         Takes in which one of these words is said are left out.
     exclude_names : collection of str
         Takes of these names are left out.
+    speakers : str
+        As in `mien.motion.learning_judgement.judge`, which says what is there, what is left out, and what is missing.
+    tell : callable
+        Takes each note as soon as it is known, before anything is learned.
 
     Raises
     ------
     InputError
-        If a name to leave out is not in the corpus, or no take is left.
+        If a name to leave out is not in the corpus, no take is left, or several people would share one mouth.
     """
     unknown = sorted(set(exclude_names) - set(corpus.names))
     if unknown:
@@ -166,12 +172,17 @@ def learn_corpus(
     words = {word.lower() for word in exclude_words}
     takes = [corpus.take(take) for take in corpus.names if take not in exclude_names and _is_neutral(corpus, take)]
     takes = [take for take in takes if words.isdisjoint(word.label.lower() for word in take.words)]
+    if corpus.unfinished:
+        tell(Note("warning", corpus.unfinished))
     about = {key: str(value) for key, value in corpus.about.items() if key in ("licence", "citation")}
     felt = [corpus.take(take) for take in corpus.names if take not in exclude_names and not _is_neutral(corpus, take)]
     felt = [take for take in felt if words.isdisjoint(word.label.lower() for word in take.words)]
     if not takes and not felt:
-        raise InputError(f"{corpus.folder}: no take is left to learn from; leave out less")
-    twins = [pair.expressive for pair in find_twins([*takes, *felt])]
+        raise InputError(corpus.unfinished or f"{corpus.folder}: no take is left to learn from; leave out less")
+    judgement = judge(takes, felt, speakers=speakers)
+    for note in judgement.notes:
+        tell(note)
+    takes, felt, twins = list(judgement.takes), list(judgement.felt), list(judgement.twins)
     expressions = learn_expressions([*takes, *twins]) if twins else None  # first: it is quick, and may refuse
     maps = learn_emotion_maps([*takes, *twins]) if twins else None
     if not takes:  # nobody was recorded neutral: how they speak is learned from what there is

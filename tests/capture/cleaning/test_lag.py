@@ -114,3 +114,11 @@ def test_lag_of_the_shared_recordings(grid: Grid) -> None:
     assert -0.012 < found.seconds < 0.002
     assert found.error < 0.01
     assert found.confidence == 1.0
+
+
+def test_the_end_of_the_search_is_no_answer() -> None:
+    """The true lag, 190 ms, lies beyond a search of 100 ms: its end fits best."""
+    found = lag_from_sound([motion(0.19)], [sound()], ("u", "l"), most=0.1)
+    assert np.isnan(found.seconds)
+    assert found.confidence == 0.0
+    assert np.isfinite(lag_from_sound([motion(0.19)], [sound()], ("u", "l")).seconds)

@@ -40,7 +40,8 @@ class Lag:
     Attributes
     ----------
     seconds : float
-        Above 0: the motion is late; shift it earlier by this much.
+        Above 0: the motion is late; shift it earlier by this much. NaN where the fit is best at the end of what was
+        searched: the true lag may lie beyond, or there is none; then the confidence is 0.
     fit : float
         Correlation at the best shift (`lag_from_sound`), or share of variance said by the phones (`lag_from_phones`).
     error : float
@@ -232,6 +233,8 @@ def _best(curves: _Curves) -> Lag:
     truth = curves.fit(everyone, 0)
     seconds, fit = _peak(curves.shifts, truth)
     error = float("nan")
+    if np.isnan(seconds):
+        return Lag(seconds, fit, error, 0.0)
     if curves.takes > 1:
         left_out = np.array([_peak(curves.shifts, curves.fit(np.delete(everyone, i), 0))[0] for i in everyone])
         error = float(np.sqrt((curves.takes - 1) / curves.takes * ((left_out - left_out.mean()) ** 2).sum()))
@@ -240,10 +243,10 @@ def _best(curves: _Curves) -> Lag:
 
 
 def _peak(shifts: NDArray[np.float64], fit: NDArray[np.float64]) -> tuple[float, float]:
-    """Place and height of the highest point, refined by a parabola through its neighbours."""
+    """Place and height of the highest point, refined by a parabola through its neighbours; NaN at either end."""
     top = int(np.argmax(fit))
     if top in (0, len(fit) - 1):
-        return float(shifts[top]), float(fit[top])
+        return float("nan"), float(fit[top])
     before, here, after = fit[top - 1 : top + 2]
     bend = before - 2 * here + after
     part = 0.5 * (before - after) / bend if bend < 0 else 0.0

@@ -27,8 +27,6 @@ ENLARGED_BELOW = 960
 """Pictures whose longer side has fewer pixels are enlarged twice: the tracker's grid is coarse."""
 _LONGEST_GAP = 600.0
 """Seconds between two pictures; more is a damaged time stamp, and would be hours of the same picture."""
-MOST_LOST = 0.5
-"""Share of frames without a face above which a video is refused."""
 
 
 def _needs() -> None:
@@ -59,10 +57,9 @@ def read_video(found: Found, recipe: Recipe) -> Raw:
     if not len(points):
         raise InputError(f"{path}: holds no picture")
     lost = np.isnan(points[:, 0, 0])
-    if lost.mean() > MOST_LOST:
+    if lost.all():
         raise InputError(
-            f"{path}: no face found in {int(lost.sum())} of {len(lost)} frames, first in frame {int(np.argmax(lost))}: "
-            "is the face in the picture, upright and lit?"
+            f"{path}: no face found in any of {len(lost)} frames: is the face in the picture, upright and lit?"
         )
     names = {name: number for number, name in layout.landmarks.items()}
     track = MarkerTrack(layout.markers, points[:, [names[marker] for marker in layout.markers]], rate)
