@@ -46,7 +46,7 @@ def test_the_table_counts_what_is_there(imported: Corpus) -> None:
 def test_what_was_refused_is_among_the_faults(imported: Corpus) -> None:
     check = check_corpus(imported)
     assert [(fault.name, fault.file, fault.sure) for fault in check.faults] == [("mute", "mute.npz", True)]
-    assert "no sound in it or beside it" in str(check)
+    assert "no transcript: expected mute.txt" in str(check)
 
 
 def test_faults_name_file_and_frame(imported: Corpus, tmp_path: Path) -> None:

@@ -81,8 +81,8 @@ def prepare(job: Job) -> Take:
     layout = layout_for(job.recipe, raw, source)
     if raw.audio is None:
         raise InputError(f"{source}: no sound in it or beside it; put a WAV of the same name beside it")
-    lost = check_face(raw.markers, source)
     motion = settled(raw, job.recipe, layout, job.reference, source)
+    lost = check_face(raw.markers, source)
     transcript = _transcript(job, source)
     speech = timed(raw.audio, transcript, job.recipe, source)
     notes = (*raw.notes, *motion.notes, *transcript.notes, *speech.notes)
