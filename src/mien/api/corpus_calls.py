@@ -67,6 +67,8 @@ def learn(
     speech_model: str = "both",
     exclude_words: Collection[str] = (),
     exclude_names: Collection[str] = (),
+    speakers: str = "one",
+    tell: Callable[[Note], None] = lambda note: None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> LearnedSpeech:
     """Learn a performer from a corpus.
@@ -83,6 +85,10 @@ def learn(
         What it speaks with by default.
     exclude_words, exclude_names : collection of str
         Takes in which one of these words is said, or that have one of these names, are held out.
+    speakers : str
+        ``"one"``: there must be one; ``"mixed"``: several may share one mouth; else the name of the one to learn from.
+    tell : callable
+        Takes what is said of the corpus before anything is learned: minutes, phones that are missing, takes left out.
     progress : callable (done, total, what) or None
 
     Returns
@@ -110,6 +116,8 @@ def learn(
         name=name or (path.stem if path is not None else "learned"),
         exclude_words=exclude_words,
         exclude_names=exclude_names,
+        speakers=speakers,
+        tell=tell,
     )
     if path is not None:
         save_learned(learned, path)
