@@ -26,6 +26,7 @@ from paint import paint_skin
 from scalp import build_cap, build_clumps, hair_mask, paint_hair
 from sculpt import Sculpt, rigid_motion
 from sites import find_sites
+from strength import strengthen
 from teeth import Row, build_row
 from tongue import build_tongue
 
@@ -72,6 +73,7 @@ def bake(wheel: Path) -> Face:
     head = build_head(data, lowest=-300.0)
     skin = head.skin
     radius = head.eye_radius * 0.99
+    strengthen(head)
     add_muscles(head)
     lips = seal_lips(head)
     fit_lids(head, radius)

@@ -15,6 +15,8 @@ _MARGIN_RING = 4  # the lid's edge lies this many rows of vertices outside the b
 _MOVING = ("eyeBlink", "eyeSquint", "eyeWide", "eyeLookUp", "eyeLookDown", "eyeLookIn", "eyeLookOut", "cheekSquint")
 # Lids follow the gaze farther than in MakeHuman's shapes: some of another shape is added.
 _FOLLOWING = {"eyeLookUp": ("eyeWide", 0.30), "eyeLookDown": ("eyeBlink", 0.17)}
+# A face at rest is not startled: the upper lid covers the iris's upper edge. This share of the way to shut.
+_AT_REST = 0.13
 _STEPS = np.linspace(0.1, 1.0, 10)
 
 
@@ -56,6 +58,8 @@ def fit_lids(head: Head, eye_radius: float) -> list[Edges]:
         skin.vertices[outside] += _pushed_out(skin.vertices[outside], centre, eye_radius + _AIR)
         blink = "eyeBlink" + side
         skin.shapes[blink] = skin.shapes[blink] + lids.closing(skin.posed(**{blink: 1.0}), _OVERLAP, _CORNER_OVERLAP)
+        skin.vertices += _AT_REST * skin.shapes[blink]
+        skin.shapes[blink] = (1 - _AT_REST) * skin.shapes[blink]
         for name, (other, share) in _FOLLOWING.items():
             skin.shapes[name + side] = skin.shapes[name + side] + share * skin.shapes[other + side]
         for name in (kind + side for kind in _MOVING):

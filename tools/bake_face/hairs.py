@@ -137,8 +137,9 @@ def brow_density(head: Head) -> Floats:
 
 def _brow_line(share: Floats) -> tuple[Floats, Floats]:
     """Height of the brow's middle line and half its thickness, from the inner (0) to the outer end (1)."""
-    line = 15.8 + 5.2 * np.sin(np.pi * np.clip(share, 0, 1) ** 1.15 * 0.80) - 1.2 * share
-    half = 3.7 * (1 - 0.62 * smoothstep(0.45, 1.0, share)) * (0.6 + 0.4 * smoothstep(-0.02, 0.2, share))
+    # The inner end lowest: brows that start high look worried before anything is felt.
+    line = 14.0 + 5.0 * np.sin(np.pi * np.clip(share, 0, 1) ** 1.10 * 0.86) - 1.0 * share
+    half = 3.2 * (1 - 0.62 * smoothstep(0.45, 1.0, share)) * (0.6 + 0.4 * smoothstep(-0.02, 0.2, share))
     return line, half
 
 
@@ -175,11 +176,11 @@ def build_brows(head: Head, seed: int) -> Sculpt:
     roots = np.stack([11.0 + 37.0 * share, middle + offset * half, np.zeros(count)], axis=1)
     on_skin = _projector(skin)
     roots, normal = on_skin(roots)
-    angle = np.interp(share, [0, 0.18, 0.5, 1.0], [1.25, 0.75, 0.25, -0.42]) - 0.55 * offset * smoothstep(
+    angle = np.interp(share, [0, 0.18, 0.5, 1.0], [0.95, 0.62, 0.28, -0.38]) - 0.55 * offset * smoothstep(
         0.1, 0.4, share
     )
     angle = angle + random.normal(0, 0.13, count)
-    length = (6.4 - 1.8 * share) * random.uniform(0.75, 1.2, count)
+    length = (5.2 - 0.9 * share) * random.uniform(0.75, 1.2, count)
     tips = roots + length[:, None] * np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
     tips, tip_normal = on_skin(tips)
     roots, tips = roots + 0.05 * normal, tips + 0.35 * tip_normal

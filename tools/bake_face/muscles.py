@@ -19,6 +19,10 @@ _MIDDLE = 7.0  # mm: halves of the face fade into each other over this distance 
 _FLARE, _COMPRESS = 3.0, 3.4  # how much of MakeHuman's units
 # Nasolabial furrow of the left side, from the wing of the nose to beside the mouth's corner: (x, y) in mm.
 _FURROW = ((17.0, -41.0), (24.0, -48.5), (31.0, -58.0))
+# The same in a smile, whose corner it passes: where it lies before the corner is pulled up; and how deep it is.
+_SMILE_FURROW = ((17.0, -42.0), (26.0, -53.0), (36.0, -65.0), (38.0, -74.0))
+_SMILE_DEPTH = 0.5
+_CHIN_OUT = 1.2  # mm by which a raised chin brings the line between the lips forward
 _FOLD = 6.4  # mm from one fold of a wrinkled nose to the next
 # The raw units by which `makehuman.MakeHuman.expression_units` calls them.
 RAW = ("nose-compression", "nose-dilatation")
@@ -37,7 +41,12 @@ def add_muscles(head: Head) -> None:
         skin.shapes["browInnerUp" + side] = skin.shapes["browInnerUp"] * half
         skin.shapes["noseFlare" + side] = _FLARE * raw["nose-dilatation"] * half
         skin.shapes["noseCompress" + side] = _COMPRESS * raw["nose-compression"] * half
-        skin.shapes["nasolabialDeepen" + side] = _furrow(head, side, sign)
+        furrow = _furrow(head, sign, _FURROW)
+        lip = 0.30 * skin.shapes["mouthUpperUp" + side] * smoothstep(4.0, 16.0, sign * skin.vertices[:, 0])[:, None]
+        skin.shapes["nasolabialDeepen" + side] = furrow + lip
+        skin.shapes["mouthSmile" + side] = skin.shapes["mouthSmile" + side] + _SMILE_DEPTH * _furrow(
+            head, sign, _SMILE_FURROW
+        )
         skin.shapes["mouthSharpPull" + side] = _sharp_pull(head, side, sign)
         skin.shapes["mouthTighten" + side] = _tightened(head) * half
 
@@ -55,7 +64,7 @@ def _wrinkle_nose(head: Head, side: str, sign: float) -> None:
         * smoothstep(4.0, -4.0, y)
         * smoothstep(2.0, 12.0, z)
     )
-    folds = 0.95 * np.cos(2 * np.pi * (y + 0.55 * x + 14.0) / _FOLD) * flank
+    folds = 0.8 * np.cos(2 * np.pi * (y + 0.55 * x + 14.0) / _FOLD) * flank
     wing = np.exp(-(((x - 14.0) / 6.0) ** 2) - (((y + 40.0) / 7.0) ** 2)) * smoothstep(0.0, 12.0, z)
     beside = np.exp(-(((x - 22.0) / 8.0) ** 2) - (((y + 30.0) / 10.0) ** 2)) * smoothstep(-5.0, 10.0, z)
     lifted = np.outer(wing, [-0.4 * sign, 2.2, 0.4]) + np.outer(beside, [-1.2 * sign, 2.4, 0.7])
@@ -70,8 +79,12 @@ def _raise_chin(head: Head) -> None:
     boss = np.exp(-((x / 15.0) ** 2) - (((y + 92.0) / 10.0) ** 2)) * front
     furrow = np.exp(-((x / 13.0) ** 2) - (((y + 81.5) / 3.6) ** 2)) * front
     lip = np.exp(-((x / 17.0) ** 2) - (((y + 73.0) / 5.5) ** 2)) * front
-    moved = np.outer(boss, [0.0, 4.6, 0.9]) + np.outer(furrow, [0.0, 1.6, -2.0]) + np.outer(lip, [0.0, 2.6, 2.4])
-    skin.shapes["mouthShrugLower"] = skin.shapes["mouthShrugLower"] + moved
+    moved = np.outer(boss, [0.0, 4.6, 0.9]) + np.outer(furrow, [0.0, 1.6, -2.0]) + np.outer(lip, [0.0, 2.6, 1.2])
+    raised = skin.shapes["mouthShrugLower"] + moved
+    # The lower lip pushes up; where the lips meet it goes no farther out than the upper one that it lifts.
+    seam = np.exp(-((x / 24.0) ** 2) - (((y + 66.5) / 4.5) ** 2)) * front
+    raised[:, 2] += seam * (np.minimum(raised[:, 2], _CHIN_OUT) - raised[:, 2])
+    skin.shapes["mouthShrugLower"] = raised
 
 
 def _smoothed(head: Head, field: Floats, where: Floats, rounds: int) -> Floats:
@@ -86,18 +99,17 @@ def _smoothed(head: Head, field: Floats, where: Floats, rounds: int) -> Floats:
     return field
 
 
-def _furrow(head: Head, side: str, sign: float) -> Floats:
-    """The middle of the furrow pulled in, its outer bank up and out; the upper lip is lifted a little at its side."""
+def _furrow(head: Head, sign: float, line: tuple[tuple[float, float], ...]) -> Floats:
+    """The middle of the furrow pulled in, its outer bank up and out."""
     skin = head.skin
     x, y, z = (skin.vertices * np.array([sign, 1.0, 1.0])).T
-    away, along = _from_line(np.c_[x, y], np.array(_FURROW))
+    away, along = _from_line(np.c_[x, y], np.array(line))
     ends = smoothstep(-0.15, 0.2, along) * smoothstep(1.2, 0.75, along) * smoothstep(-10.0, 5.0, z)
     normals = vertex_normals(skin.vertices, skin.triangles)
     groove = -1.7 * np.exp(-(((away + 0.5) / 2.6) ** 2)) * ends
     bank = 2.4 * np.exp(-(((away - 6.0) / 5.0) ** 2)) * ends
     lifted = np.array([0.35 * sign, 1.0, 0.0]) * (1.6 * np.exp(-(((away - 5.0) / 6.0) ** 2)) * ends)[:, None]
-    lip = 0.30 * skin.shapes["mouthUpperUp" + side] * smoothstep(4.0, 16.0, x)[:, None]
-    return np.asarray(normals * (groove + bank)[:, None] + lifted + lip)
+    return np.asarray(normals * (groove + bank)[:, None] + lifted)
 
 
 def _from_line(points: Floats, line: Floats) -> tuple[Floats, Floats]:

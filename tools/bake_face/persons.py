@@ -19,6 +19,7 @@ from makehuman import Floats, MakeHuman
 from mouth import line_mouth, seal_lips
 from muscles import add_muscles
 from sculpt import Sculpt
+from strength import strengthen
 from subdivision import clip
 from teeth import Row, build_row
 
@@ -84,6 +85,7 @@ def shape_of(data: MakeHuman, recipe: Recipe) -> Floats:
 def finished_head(data: MakeHuman, person: Floats | None = None) -> Head:
     """A head with its muscles, with lips that seal and lids that close, as the default one is baked."""
     head = build_head(data, LOWEST, person)
+    strengthen(head)
     add_muscles(head)
     seal_lips(head)
     fit_lids(head, head.eye_radius * 0.99)
