@@ -14,6 +14,7 @@ from mien.core.utterance import Utterance
 from mien.motion.alive.idle import AuthoredIdle
 from mien.motion.alive.visual_prosody import AuthoredProsody
 from mien.motion.expression.hand_made_performance import authored_expression
+from mien.motion.expression.line import Line
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.text.score import Score
 
@@ -63,7 +64,14 @@ class ExpressionModel(Protocol):
         """What should be known about the emotions asked for."""
 
     def perform(
-        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True
+        self,
+        score: Score,
+        duration: float,
+        rate: FrameRate,
+        random: np.random.Generator,
+        *,
+        neutral: bool = True,
+        line: Line | None = None,
     ) -> NDArray[np.float64]:
         """Expression channels, shape (frames, channels); ``neutral`` False: nothing where no emotion is asked for."""
 

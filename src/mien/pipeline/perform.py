@@ -26,6 +26,7 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
+from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.singing import sing
 from mien.motion.performer import FeelingMouth, Performer
@@ -67,7 +68,8 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     effort = effort_over(score.efforts, performer.expression.effort(score, times), times)
     if (effort != AS_RECORDED).any():
         mouth = articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
-    expression = performer.expression.perform(score, utterance.duration, rate, for_expression)
+    line = line_of(utterance, mouth.values, rate) if score.emotions else None
+    expression = performer.expression.perform(score, utterance.duration, rate, for_expression, line=line)
     idle = performer.idle.perform(utterance, rate, for_idle, score)
     prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
@@ -114,7 +116,8 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     """
     random, rate, motion = np.random.default_rng(seed), animation.rate, animation.channels.select(channels.ALL).values
     duration = len(motion) / rate.fps
-    expression = performer.expression.perform(score, duration, rate, random, neutral=False)[: len(motion)]
+    line = line_of(animation.utterance, motion, rate) if score.emotions and len(animation.utterance.phones) else None
+    expression = performer.expression.perform(score, duration, rate, random, neutral=False, line=line)[: len(motion)]
     seal = AuthoredMouth().seals(animation.utterance, rate)[0][: len(motion), None]
     share = np.ones((len(motion), 1))
     share[: len(seal)] -= seal
@@ -141,10 +144,14 @@ def blend(
 ) -> NDArray[np.float64]:
     """Lay expression and idle motion over the speaking mouth; all of shape (frames, channels).
 
+    An expression takes what room speech leaves: of a channel that speech holds at 0.3, it moves the other 0.7. So an
+    emotional mouth still articulates, and nothing stands at its ceiling.
     A blink takes the lids from whatever holds them: squint and wide eyes fade as the lids close.
     Weights are kept in [0, 1]; head angles add up.
     """
-    values: NDArray[np.float64] = mouth + expression + idle
+    room = np.ones_like(mouth)
+    room[:, _WEIGHTS] -= np.clip(mouth[:, _WEIGHTS], 0.0, 1.0)
+    values: NDArray[np.float64] = mouth + expression * room + idle
     blink = np.clip(idle[:, _BLINK].max(axis=1), 0, 1)
     values[:, _LIDS] *= 1 - blink[:, None]
     values[:, _BLINK] = 1 - (1 - np.clip((mouth + expression)[:, _BLINK], 0, 1)) * (1 - blink[:, None])

@@ -16,12 +16,15 @@ from mien.core import channels
 from mien.core.errors import Note, unknown_name
 from mien.core.timeline import FrameRate
 from mien.motion.expression.expression_space import RATE, ExpressionSpace
+from mien.motion.expression.line import Line
 from mien.text.score import EmotionSpan, Score
 
 __all__ = ["NEUTRAL", "Expression", "weights_of"]
 
 Floats = NDArray[np.float64]
 NEUTRAL = "neutral"
+UNKNOWN_SPEECH = 0.5
+"""Share of what an emotion adds to a speaking mouth where it is not known whether anything is said."""
 
 
 class Expression:
@@ -37,9 +40,11 @@ class Expression:
     sealed_share : ndarray, shape (channels,)
         Share of each channel that remains while the lips must be shut.
     authored : collection of str
-        Emotions whose motion was authored rather than recorded; asking for one leaves a note on a recorded performer.
+        Emotions whose motion is hand-made rather than recorded; asking for one leaves a note on a recorded performer.
     efforts : mapping of str to float, optional
         How hard the words are articulated at full intensity, for emotions where that is not 1 (docs/effort.md).
+    spoken : mapping of str to ndarray, shape (channels,), optional
+        What an emotion adds to the mouth while it speaks; recorded motion holds that already.
     """
 
     def __init__(
@@ -49,9 +54,10 @@ class Expression:
         sealed_share: Floats,
         authored: frozenset[str] = frozenset(),
         efforts: Mapping[str, float] | None = None,
+        spoken: Mapping[str, Floats] | None = None,
     ) -> None:
         self.names, self.sealed_share, self.authored = tuple(sorted(names)), sealed_share, authored
-        self.space_of, self.efforts = space_of, dict(efforts or {})
+        self.space_of, self.efforts, self.spoken = space_of, dict(efforts or {}), dict(spoken or {})
 
     def check(self, score: Score) -> None:
         """Refuse a score that asks for an emotion this performer does not have.
@@ -71,7 +77,7 @@ class Expression:
             return ()
         made = sorted({span.name for span in score.emotions} & self.authored - {NEUTRAL})
         return tuple(
-            Note("note", f"{name} was not recorded for this performer: its motion is authored") for name in made
+            Note("note", f"{name} was not recorded for this performer: its motion is hand-made") for name in made
         )
 
     def effort(self, score: Score, times: Floats) -> Floats:
@@ -80,20 +86,32 @@ class Expression:
         return np.asarray(1 + asked @ weights_of(score, times)[1:])
 
     def perform(
-        self, score: Score, duration: float, rate: FrameRate, random: np.random.Generator, *, neutral: bool = True
+        self,
+        score: Score,
+        duration: float,
+        rate: FrameRate,
+        random: np.random.Generator,
+        *,
+        neutral: bool = True,
+        line: Line | None = None,
     ) -> Floats:
         """Expression channels, shape (frames, channels), for every frame that covers ``duration`` seconds.
 
-        ``neutral`` False leaves out the neutral face's own small motion, for motion that is alive already.
+        ``neutral`` False leaves out the neutral face's own small motion, for motion that is alive already. Without a
+        ``line`` the strength stands still, and half of what the emotion adds to a speaking mouth is there.
         """
         self.check(score)
         times = rate.times(rate.frames_covering(duration))
         spans = (EmotionSpan(NEUTRAL), *score.emotions)
         values = np.zeros((len(times), len(channels.ALL)))
         # One generator for each emotion: what one draws leaves the others as they are.
+        strength, speaking = (line.strength, line.speaking) if line else (1.0, np.full(len(times), UNKNOWN_SPEECH))
         for span, weight, draws in zip(spans, weights_of(score, times), random.spawn(len(spans)), strict=True):
             if weight.any() and (neutral or span.name != NEUTRAL):
-                values += weight[:, None] * self._motion(span.name, times, draws)
+                shown = weight if span.name == NEUTRAL else weight * strength
+                values += shown[:, None] * self._motion(span.name, times, draws)
+                if span.name in self.spoken:
+                    values += (shown * speaking)[:, None] * self.spoken[span.name]
         return values
 
     def _motion(self, emotion: str, times: Floats, random: np.random.Generator) -> Floats:

@@ -1,6 +1,7 @@
-"""The expressive repertoire that needs no recordings: emotions performed in action units by an authored table.
+"""The expressive repertoire that needs no recordings: emotions performed in action units by a table made by hand.
 
-AUTHORED, not learned (``assets/performance/emotions.toml``). Each emotion is a performance of a minute: units are held,
+Hand-made, not learned (``assets/performance/emotions.toml``). Each emotion is a performance of a minute: units are
+held,
 wander, swell in episodes with onset, hold and offset, and are never quite the same on both sides. The performance goes
 through the same `ExpressionSpace` as a recording would: as displacements of the markers on the face, with the channels
 carried beside them.
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import load_layout
 from mien.core import channels
 from mien.core.derived import read_derived
-from mien.core.facs import action_units, unit_track
+from mien.core.facs import action_units, channels_of_units, unit_track
 from mien.core.poses import pose_vector, read_table
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
@@ -38,6 +39,7 @@ __all__ = [
     "marker_basis",
     "sealed_share",
     "space_of",
+    "spoken_share",
     "without_eyelids",
 ]
 
@@ -48,6 +50,7 @@ LAYOUT = "face-102"
 DERIVED = "expression_axes"
 SOURCES = ("performance/emotions.toml", "facs/units.toml", f"markers/{LAYOUT}.toml", "faces/default.npz")
 """Files of ``assets`` that the space is worked out from."""
+KNEE = 0.75
 SETTLED = 2.0  # seconds at the start of a performance that are left out: nobody is caught in the middle of an onset
 
 
@@ -61,7 +64,24 @@ def authored_expression() -> Expression:
     """
     table = read_table(TABLE)["emotion"]
     efforts = {name: float(entry["effort"]) for name, entry in table.items() if "effort" in entry}
-    return Expression(tuple(table), space_of, sealed_share(), frozenset(table), efforts)
+    return Expression(tuple(table), space_of, sealed_share(), frozenset(table), efforts, spoken_share())
+
+
+def spoken_share() -> dict[str, Floats]:
+    """What each emotion adds to a speaking mouth, shape (channels,) each.
+
+    Examples
+    --------
+    >>> "angry" in spoken_share()
+    True
+    """
+    found = {}
+    for name, entry in read_table(TABLE)["emotion"].items():
+        row = np.zeros(len(channels.ALL))
+        for channel, weight in channels_of_units(entry.get("spoken", {})).items():
+            row[channels.ALL.index(channel)] = weight
+        found[name] = row
+    return found
 
 
 def sealed_share() -> Floats:
@@ -149,9 +169,15 @@ def _unit(
     weight = held * (1 + entry["episodes"][1] * swell) + wander * smooth_drift(times, memory, random)
     sway = facts["sway"] * smooth_drift(times, 2.0, random)
     if unit[-1] in "LR" or not action_units()[unit].left:
-        return {unit: np.clip(weight, 0, 1)}
+        return {unit: _kept_below_full(weight)}
     lean = (entry["lean"] + sway) / 2
-    return {unit + "L": np.clip(weight * (1 + lean), 0, 1), unit + "R": np.clip(weight * (1 - lean), 0, 1)}
+    return {unit + "L": _kept_below_full(weight * (1 + lean)), unit + "R": _kept_below_full(weight * (1 - lean))}
+
+
+def _kept_below_full(weight: Floats) -> Floats:
+    """0 or more, and over `KNEE` ever slower towards 1: a muscle at its end still quivers."""
+    over = np.maximum(weight - KNEE, 0.0)
+    return np.asarray(np.clip(np.minimum(weight, KNEE) + (1 - KNEE) * np.tanh(over / (1 - KNEE)), 0.0, 1.0))
 
 
 def _episodes(facts: Mapping[str, Any], per_minute: float, times: Floats, random: np.random.Generator) -> Floats:
