@@ -55,7 +55,7 @@ def test_the_performer_smiles_as_recorded_and_borrows_the_rest(performer: Path) 
     assert not [note for note in happy.notes if "authored" in note.message]
     sad = mien.say("Me too.", performer=performer, emotion="sad")
     assert [note.message for note in sad.notes if "authored" in note.message] == [
-        "sad was not recorded for this performer: its motion is authored"
+        "sad was not recorded for this performer: its motion is hand-made"
     ]
 
 

@@ -309,7 +309,7 @@ def test_a_full_blink_hides_the_eyeball(
 
 
 @pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("weight", [0.0, 0.2, 0.4, 0.6, 0.8, 0.9])
+@pytest.mark.parametrize("weight", [0.0, 0.2, 0.4, 0.6, 0.8, 0.88])
 def test_the_eyeball_is_seen_only_between_the_lids(
     face: Face, posed: Callable[..., dict[str, Floats]], side: str, weight: float
 ) -> None:

@@ -149,7 +149,7 @@ def test_what_was_not_recorded_is_told() -> None:
     assert MODEL.notes(Score((EmotionSpan("sad"),))) == ()  # of an authored repertoire nothing else is expected
     own = Expression(MODEL.names, lambda _: SPACE, sealed_share(), frozenset(MODEL.names) - {"happy"})
     notes = own.notes(Score((EmotionSpan("happy"), EmotionSpan("sad"))))
-    assert [note.message for note in notes] == ["sad was not recorded for this performer: its motion is authored"]
+    assert [note.message for note in notes] == ["sad was not recorded for this performer: its motion is hand-made"]
 
 
 def test_refusals() -> None:

@@ -135,7 +135,7 @@ def test_a_performer_uses_what_was_recorded_and_tells_what_was_not() -> None:
     model = expression_of(learn_expressions(takes(2)))
     asked = Score((EmotionSpan("surprised"), EmotionSpan("sad", start=1.0)))
     assert [note.message for note in model.notes(asked)] == [
-        "sad was not recorded for this performer: its motion is authored"
+        "sad was not recorded for this performer: its motion is hand-made"
     ]
     values = model.perform(Score((EmotionSpan("happy"),)), 3.0, FrameRate.of(30), np.random.default_rng(1))
     assert values[:, channels.ALL.index("mouthSmileLeft")].mean() == pytest.approx(0.5, abs=0.15)
