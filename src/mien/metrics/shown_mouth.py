@@ -65,7 +65,7 @@ class Stage:
 
     def recorded(self, recording: Recording) -> Array:
         """The recording itself as the face shows it: how far capture follows."""
-        if recording.take.channels is not None and recording.take.source.get("channels") == "captured":
+        if recording.take.channels is not None:
             return self.of_channels(recording, recording.take.channels)
         return self.of_markers(recording, recording.bridged)
 

@@ -56,6 +56,20 @@ def test_patches_do_not_run_across_the_ends_of_pieces() -> None:
     assert same_piece[going_on].all()
 
 
+def test_patches_come_from_every_piece_and_lie_where_its_rows_are() -> None:
+    lengths = (120, 20, 90, 150)  # the second is shorter than a patch: none of it can be used
+    pieces = [np.full((length, 1), 5.0) + 1e-6 * k for k, length in enumerate(lengths)]
+    new = sample_patches(pieces, 6000, np.random.default_rng(8))
+    piece_of = np.repeat(np.arange(4), lengths)
+    assert set(piece_of[new.before].tolist()) == {0, 2, 3}
+    alone = new.share == 0
+    joined = np.concatenate(pieces)
+    np.testing.assert_array_equal(new.of(joined)[alone], joined[new.before[alone]])
+    last_rows = new.before[piece_of[new.before] == 3]
+    assert 230 <= last_rows.min() < 260  # from its first rows
+    assert 350 < last_rows.max() < 380  # to its last
+
+
 def test_the_same_seed_is_the_same_curve_and_a_longer_one_begins_alike() -> None:
     rows = source()
     one, again, longer = (sample_patches([rows], n, np.random.default_rng(6)) for n in (500, 500, 900))

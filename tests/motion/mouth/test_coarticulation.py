@@ -138,6 +138,23 @@ def test_the_degree_that_made_the_weights_costs_least():
     assert np.allclose(cost[1], cost[0] + 0.1 * (cost[3] - cost[0]))
 
 
+def test_the_penalty_of_a_degree_is_lambda_times_the_squared_coefficients():
+    times = np.linspace(0.02, 0.98, 24)
+    made = {
+        ("A", str(k)): WeightPairs(times, np.stack([1 - times + 0.1 * k * times**2, times - 0.2 * k], axis=1))
+        for k in range(3)
+    }
+    cost = fitting_cost([made], least_pairs=4, degrees=(1, 2), penalties=(0.0, 0.25, 4.0))
+    for column, degree in enumerate((1, 2)):
+        powers = times[:, None] ** np.arange(degree + 1)
+        fits = [np.linalg.lstsq(powers, pairs.weights, rcond=None)[0] for pairs in made.values()]
+        left = sum(((powers @ fit - p.weights) ** 2).sum() for fit, p in zip(fits, made.values(), strict=True))
+        size = sum((fit**2).sum() for fit in fits)
+        assert size > 1  # so that a penalty left out, or taken off, is seen
+        assert np.allclose(cost[:, column], [left, left + 0.25 * size, left + 4.0 * size], atol=1e-9)
+    assert PENALTIES == (0.0, 1e-5, 5e-5, 1e-4)  # Deng et al. 2006, Fig. 9
+
+
 def test_samples_stand_in_the_middle_and_areas_between_them():
     phones = tier(["AA", "S", "K"], 0.1)
     times = np.arange(30) / 100
