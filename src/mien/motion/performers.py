@@ -26,7 +26,7 @@ def known_performers() -> tuple[str, ...]:
     Examples
     --------
     >>> known_performers()
-    ('authored', 'default')
+    ('authored', 'default', 'mandarin')
     """
     return (AUTHORED, *sorted(path.stem for path in _folder().glob("*.mien")))
 

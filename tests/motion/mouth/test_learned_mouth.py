@@ -112,4 +112,4 @@ def test_what_is_out_of_range_or_unknown_is_refused() -> None:
         load_performer("defualt")
     with pytest.raises(InputError, match=r"nobody\.mien"):
         load_performer("nobody.mien")
-    assert known_performers() == ("authored", "default")
+    assert known_performers() == ("authored", "default", "mandarin")
