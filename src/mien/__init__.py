@@ -2,8 +2,8 @@
 
 >>> import mien
 >>> [name for name in dir(mien) if name[0].islower()]  # doctest: +NORMALIZE_WHITESPACE
-['align', 'animate', 'doctor', 'express', 'faces', 'import_corpus', 'learn', 'load', 'recolor', 'save', 'say', 'score',
- 'stimuli']
+['align', 'animate', 'doctor', 'evaluate', 'express', 'faces', 'import_corpus', 'learn', 'load', 'recolor', 'save',
+ 'say', 'score', 'stimuli']
 
 The names are loaded when first used, so that ``import mien`` stays quick.
 """
@@ -18,6 +18,7 @@ if _TYPE_CHECKING:
     from mien.api.calls import align, animate, express, save, say
     from mien.api.corpus_calls import faces, import_corpus, learn, load, stimuli
     from mien.api.diagnosis import doctor
+    from mien.api.evaluation_calls import evaluate
     from mien.api.recoloring import recolor
     from mien.core.audio import Audio
     from mien.core.errors import InputError, MienError
@@ -41,6 +42,7 @@ __all__ = [
     "align",
     "animate",
     "doctor",
+    "evaluate",
     "express",
     "faces",
     "import_corpus",
@@ -66,6 +68,7 @@ _HOMES = {
     "align": "mien.api.calls",
     "animate": "mien.api.calls",
     "doctor": "mien.api.diagnosis",
+    "evaluate": "mien.api.evaluation_calls",
     "express": "mien.api.calls",
     "faces": "mien.api.corpus_calls",
     "import_corpus": "mien.api.corpus_calls",

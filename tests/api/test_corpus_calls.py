@@ -13,7 +13,18 @@ import mien
 from tests.faces import tiny_animation
 
 CALLS = {
-    "align", "animate", "doctor", "express", "faces", "import_corpus", "learn", "load", "recolor", "save", "say",
+    "align",
+    "animate",
+    "doctor",
+    "evaluate",
+    "express",
+    "faces",
+    "import_corpus",
+    "learn",
+    "load",
+    "recolor",
+    "save",
+    "say",
     "score",
     "stimuli",
 }  # fmt: skip
