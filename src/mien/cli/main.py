@@ -34,6 +34,7 @@ from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
 from mien.cli.help_page import help_page, options_of, with_suggestion
+from mien.cli.progress import progress_bar
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
@@ -344,19 +345,15 @@ def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> 
 
 
 def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
     from mien.api import calls as api
 
     _tell(animation.notes, options.quiet)
     outputs = (options.output, *options.also)
-    hidden = options.quiet or not sys.stderr.isatty()
-    with tqdm(unit=" frames", desc="drawing", leave=False, disable=hidden) as bar, put_off() as obey:
+    with progress_bar("drawing", " frames", options.quiet) as show, put_off() as obey:
 
         def progress(done: int, total: int) -> None:
             obey()
-            bar.total = total
-            bar.update(done - bar.n)
+            show(done, total)
 
         notes = api.save(animation, *outputs, face=face, progress=progress)
     _tell(notes, options.quiet)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -45,9 +46,14 @@ def digest_of(sources: Sequence[str]) -> NDArray[np.uint8]:
     """
     digest = hashlib.blake2b(digest_size=32)
     for source in sources:
-        content = (assets_folder() / source).read_bytes()
-        digest.update(f"{source} {len(content)}\n".encode() + content)
+        path = assets_folder() / source
+        digest.update(f"{source}\n".encode() + _digest_of_file(path, path.stat().st_mtime_ns, path.stat().st_size))
     return np.frombuffer(digest.digest(), np.uint8)
+
+
+@cache
+def _digest_of_file(path: Path, _changed: int, _size: int) -> bytes:
+    return hashlib.blake2b(path.read_bytes(), digest_size=32).digest()
 
 
 def read_derived(name: str, sources: Sequence[str]) -> Arrays | None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note
-from mien.face.foreign.recognition import ForeignFace, foreign_face
 from mien.face.model import Face
+
+if TYPE_CHECKING:
+    from mien.face.foreign.recognition import ForeignFace
 
 __all__ = ["save"]
 
@@ -49,22 +52,24 @@ def save(
     OutputError
         If a file cannot be written; nothing is left half-written.
     """
-    from mien.face.foreign.gltf_document import is_gltf
     from mien.face.library import known_faces, load_face
-    from mien.formats.foreign_faces import save_on_foreign
     from mien.formats.registry import check_output, shows_face
     from mien.formats.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
-    if isinstance(face, (str, Path)) and is_gltf(face):
-        face = foreign_face(face, names)
-    if isinstance(face, ForeignFace):
-        return tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
+    if not isinstance(face, Face) and not (face is None or face in known_faces()):
+        from mien.face.foreign.gltf_document import is_gltf
+        from mien.face.foreign.recognition import ForeignFace, foreign_face
+
+        if isinstance(face, (str, Path)) and is_gltf(face):
+            face = foreign_face(face, names)
+        if isinstance(face, ForeignFace):
+            from mien.formats.foreign_faces import save_on_foreign
+
+            return tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
-    if isinstance(face, Path):
-        face = str(face)
-    if isinstance(face, str) and face in known_faces() and not any(shows_face(target) for target in targets):
+    if face in known_faces() and not any(shows_face(target) for target in targets):
         face = None  # reading it takes longer than writing the file
-    shown = load_face(face) if isinstance(face, str) else face
+    shown = load_face(face) if isinstance(face, (str, Path)) else face
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))

@@ -67,7 +67,8 @@ class GraphIndex:
         bounds = np.searchsorted(graph.phones[order], np.arange(len(graph.symbols) + 1))
         groups = {symbol: order[bounds[k] : bounds[k + 1]] for k, symbol in enumerate(graph.symbols)}
         self.nodes_of = {symbol: nodes for symbol, nodes in groups.items() if len(nodes)}
-        pairs = np.unique(graph.phones.astype(np.int64) * len(graph.emotion_names) + graph.emotions)
+        heard = graph.phones.astype(np.int64) * len(graph.emotion_names) + graph.emotions
+        pairs = np.flatnonzero(np.bincount(heard))
         self.recorded = frozenset(
             (graph.symbols[pair // len(graph.emotion_names)], graph.emotion_names[pair % len(graph.emotion_names)])
             for pair in pairs
