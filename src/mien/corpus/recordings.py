@@ -42,6 +42,8 @@ from mien.formats.textgrid import read_textgrid, write_textgrid
 __all__ = ["FORMAT", "VERSION", "Corpus"]
 
 FORMAT, VERSION = "mien-corpus", 1
+_TRACKED = frozenset({"grid"})
+"""Recipes whose takes version 0.1 gave a tracker's own weights as channels: they were not recorded, and are not read."""
 _IN_EVERY_LINE = ("name", "text", "emotion", "sentence", "speaker", "digest", "source")
 
 
@@ -174,7 +176,7 @@ class Corpus:
                 markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
                 head = np.array(file["head"]) if "head" in file else None
                 channels = None
-                if "channels" in file:
+                if "channels" in file and self.about.get("recipe") not in _TRACKED:
                     channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
         except (OSError, ValueError, KeyError, BadZipFile) as problem:
             raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem

@@ -1,7 +1,8 @@
 """The GRID corpus: tracked landmarks (``markers.npz`` beside ``meta.json``), or its video, with ``.align`` files.
 
 ``markers.npz``: for each name an array (frames, landmarks, 3) of whole numbers, pixels times ``position_scale``,
--32768 where the face was lost; ``arkit.npz``, if it is there: (frames, 52) of the tracker's weights.
+-32768 where the face was lost. A tracker's own weights (``arkit.npz``) are not read: they follow the mouth less well
+than what is captured from its landmarks (`mien.corpus.capturing`).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from mien.capture.layouts import load_layout
 from mien.capture.tracker import tracker_python
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
-from mien.core.tracks import ChannelTrack, MarkerTrack
+from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 from mien.corpus.readers.recording_files import SOUND, TRANSCRIPTS, Beside, found_by_suffix, listed
 from mien.corpus.readers.video_recordings import read_video
@@ -85,19 +86,7 @@ def _read_arrays(found: Found, recipe: Recipe) -> Raw:
         raise InputError(f"{path}, {found.name}: expected shape (frames, {len(names)}, 3), got {counts.shape}")
     positions = np.where(counts == _LOST, np.nan, counts / scale)
     audio, notes = read_audio(found.sound) if found.sound else (None, ())
-    return Raw(MarkerTrack(names, positions, rate), "pixels", audio, _weights(found, about, rate), notes=notes)
-
-
-def _weights(found: Found, about: dict[str, Any], rate: FrameRate) -> ChannelTrack | None:
-    path = found.motion.parent / "arkit.npz"
-    if not path.is_file() or "arkit_names" not in about:
-        return None
-    with _opened(path) as takes:
-        if found.name not in takes:
-            return None
-        values = _array(path, takes, found.name) / float(about.get("arkit_scale", 255))
-    keep = [i for i, name in enumerate(about["arkit_names"]) if not name.startswith("_")]
-    return ChannelTrack([about["arkit_names"][i] for i in keep], values[:, keep], rate)
+    return Raw(MarkerTrack(names, positions, rate), "pixels", audio, notes=notes)
 
 
 def _about(path: Path) -> dict[str, Any]:
