@@ -43,7 +43,7 @@ __all__ = ["FORMAT", "VERSION", "Corpus"]
 
 FORMAT, VERSION = "mien-corpus", 1
 _TRACKED = frozenset({"grid"})
-"""Recipes whose takes version 0.1 gave a tracker's own weights as channels: they were not recorded, and are not read."""
+"""Recipes whose takes version 0.1 gave a tracker's own weights as channels: not recorded, so they are not read."""
 _IN_EVERY_LINE = ("name", "text", "emotion", "sentence", "speaker", "digest", "source")
 
 
