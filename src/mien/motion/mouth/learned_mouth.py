@@ -5,6 +5,7 @@ are. One that learned in markers, as the papers have it, has its markers laid on
 that best brings the mouth at rest to their places (`mien.capture.layouts`); their displacements are what the face has
 to do, by bounded least squares (`mien.face.retargeting`).
 
+In pauses the mouth comes to rest as the face has it (`resting`): recorded people hold it half open before they speak.
 Hand-made key shapes (``assets/performance/visemes.toml``) serve only what no recording shows: the tongue, the lip on
 the teeth at labiodentals, and phones that the performer never heard (`LearnedMouth.hand_made_phones`) or that English
 lacks.
@@ -32,7 +33,7 @@ from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
 from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performer_file import LearnedSpeech
 
-__all__ = ["NOT_BY_MARKERS", "LearnedMouth"]
+__all__ = ["NOT_BY_MARKERS", "LearnedMouth", "resting"]
 
 Floats = NDArray[np.float64]
 
@@ -43,6 +44,9 @@ DEPTH = 0.1
 """How much the depth of a marker counts where one camera saw it, against its height and its side."""
 _BY_CAMERA = "mediapipe-218"
 _TONGUE = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
+STAYS, LEAVES, EASE = 0.12, 0.05, 0.2
+"""Seconds after speech in which the mouth stays as it learned to, before speech in which it moves so, and in which it
+comes to rest and leaves it. Hand-made."""
 _LIP_ON_TEETH = ("F", "V")
 _ON_TEETH_SHARPNESS = 2.0
 """Power of the share with which the hand-made lip on the teeth takes over: above 1 it waits until the lip is near."""
@@ -95,6 +99,7 @@ class LearnedMouth:
         values, markers = self.on_face(motion, rate), None
         if self._markers is not None:
             markers = MarkerTrack(self._markers.space.names, motion, rate)
+        values *= 1 - resting(utterance.phones, times)[:, None]
         by_hand = self.authored.perform(utterance, rate)
         own = utterance.shapes or ((),) * len(utterance.phones)
         unheard = set(self.hand_made_phones)
@@ -113,6 +118,27 @@ class LearnedMouth:
         values = np.zeros((len(motion), len(channels.ALL)))
         values[:, self._columns] = motion
         return values
+
+
+def resting(phones: Tier, times: Floats) -> Floats:
+    """How far the mouth has come to rest in pauses, 0 in speech and about it to 1, shape (frames,).
+
+    Examples
+    --------
+    >>> said = Tier("phones", (Interval(0.0, 0.5, "SIL"), Interval(0.5, 0.7, "AA"), Interval(0.7, 0.9, "SIL")))
+    >>> resting(said, np.array([0.0, 0.2, 0.48, 0.6, 0.75, 2.0])).tolist()
+    [1.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    """
+    spoken = [phone for phone in phones if phone.label != PAUSE]
+    if not spoken:
+        return np.ones(len(times))
+    ends = np.array([-np.inf, *(phone.end for phone in spoken)])
+    starts = np.array([*(phone.start for phone in spoken), np.inf])
+    place = np.searchsorted(starts[:-1], times, side="right")  # of the stretch between two phones
+    since, until = times - ends[place], starts[place] - times
+    come = np.clip((since - STAYS) / EASE, 0.0, 1.0)
+    leave = np.clip((until - LEAVES) / EASE, 0.0, 1.0)
+    return np.asarray((1 - np.cos(np.pi * np.minimum(come, leave))) / 2)
 
 
 class _OnFace:
