@@ -22,6 +22,11 @@ def add_command(commands: Any) -> None:
         default="both",
         help="learned curves, recorded motion, or curves corrected by what was recorded (default both)",
     )
+    learn.add_argument(
+        "--learn-in",
+        choices=("channels", "markers"),
+        help="the mouth in captured channels, or in markers as the papers have it (default: channels where there are)",
+    )
     learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
     learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
     learn.add_argument(
@@ -57,7 +62,7 @@ def _learn(options: argparse.Namespace) -> int:
 
         learned = learn_corpus(
             corpus,
-            LearningSettings(speech_model=options.speech_model),
+            LearningSettings(speech_model=options.speech_model, learn_in=options.learn_in),
             progress=progress,
             name=options.name or path.stem,
             exclude_words=_listed(options.exclude_words),
@@ -68,7 +73,9 @@ def _learn(options: argparse.Namespace) -> int:
     save_learned(learned, path)
     if not options.quiet:
         takes, size = len(learned.trained_on), path.stat().st_size / 1e6
-        print(f"{options.output}: learned from {takes} of {len(corpus)} takes, {size:.1f} MB")
+        mouth = learned.motion.mouth_
+        what = f"{len(mouth.names)} {mouth.kind} of the mouth"
+        print(f"{options.output}: learned from {takes} of {len(corpus)} takes, {what}, {size:.1f} MB")
         if learned.expressions is not None:
             told = ", ".join(f"{name} {seconds:.0f} s" for name, seconds in learned.expressions.seconds.items())
             print(f"expressions: {told}")

@@ -183,6 +183,10 @@ def learn_corpus(
     for note in judgement.notes:
         tell(note)
     takes, felt, twins = list(judgement.takes), list(judgement.felt), list(judgement.twins)
+    bare = sum(take.channels is None for take in (*takes, *felt))
+    if bare and (settings is None or settings.learn_in is None):
+        told = f"the mouth is learned in markers: {bare} takes have no captured channels"
+        tell(Note("warning", f"{told}; run: mien corpus upgrade {corpus.folder}"))
     expressions = learn_expressions([*takes, *twins]) if twins else None  # first: it is quick, and may refuse
     maps = learn_emotion_maps([*takes, *twins]) if twins else None
     if not takes:  # nobody was recorded neutral: how they speak is learned from what there is
