@@ -10,12 +10,16 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import butter, sosfilt
 
+from mien.core.audio import Audio
 from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE
+from mien.formats.sound_files import read_audio
 from mien.motion.effort import DECIBELS
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
@@ -49,13 +53,48 @@ def measured(path: Path, performer: Performer) -> tuple[float, float, float, flo
     return level, 1 + read_effort(speech.audio, DECIBELS).decibels / DECIBELS, float(jaws[0]), float(jaws[1])
 
 
+def coloured(sound: Audio) -> dict[str, Audio]:
+    """A recording as other microphones and rooms would have it."""
+    x, rate = sound.samples.astype(np.float64), sound.rate
+    noise = np.random.default_rng(0).normal(size=len(x)) * np.sqrt((x[np.abs(x) > 0.04 * np.abs(x).max()] ** 2).mean())
+    band = sosfilt(butter(4, [300, 3400], "bandpass", fs=rate, output="sos"), x)
+    dull = sosfilt(butter(1, 1500, "lowpass", fs=rate, output="sos"), x)
+    bright = x + sosfilt(butter(1, 1000, "highpass", fs=rate, output="sos"), x)
+    made = {
+        "as it is": x,
+        "26 dB quieter": 0.05 * x,
+        "telephone band": band,
+        "dull (low-pass 1.5 kHz, 6 dB an octave)": dull,
+        "bright (+6 dB above 1 kHz)": bright,
+        "white noise at 20 dB": x + 0.1 * noise,
+        "white noise at 10 dB": x + 0.316 * noise,
+    }
+    return {name: Audio(y.astype(np.float32), rate) for name, y in made.items()}
+
+
+def under_colours(actors: int) -> str:
+    """Rows: mean and extremes of the effort over the actors."""
+    read = defaultdict[tuple[str, str], list[float]](list)
+    for kind in (NEUTRAL, ANGRY):
+        for actor in range(1, actors + 1):
+            sound = read_audio(DATA / f"03-01-{kind}-01-01-{actor:02d}.flac")[0]
+            for name, other in coloured(sound).items():
+                read[name, kind].append(1 + read_effort(other, DECIBELS).decibels / DECIBELS)
+    rows = []
+    for name in dict.fromkeys(name for name, _ in read):
+        cells = [f"{np.median(f):.2f} ({min(f):.2f} to {max(f):.2f})" for f in (read[name, NEUTRAL], read[name, ANGRY])]
+        rows.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--actors", type=int, default=12)
     performer = load_performer("default")
     lines, ratios = [], []
-    for actor in range(1, parser.parse_args().actors + 1):
+    actors = parser.parse_args().actors
+    for actor in range(1, actors + 1):
         calm, angry = (measured(DATA / f"03-01-{kind}-01-01-{actor:02d}.flac", performer) for kind in (NEUTRAL, ANGRY))
         plain, shown = angry[2] / calm[2], angry[3] / calm[3]
         ratios.append((plain, shown))
@@ -73,7 +112,8 @@ def main() -> None:
         "| --- | --- | --- | --- | --- | --- | --- | --- |\n"
         + "\n".join(lines)
         + f"\n\nMedian ratio {plain:.2f} without effort, {with_effort:.2f} with it; at least 1.5 in {enough} of "
-        f"{len(ratios)}.\n",
+        f"{len(ratios)}.\n\nThe same recordings in other colours, at other levels and in noise: effort, median (least to most)\n\n"
+        "| | neutral | angry |\n| --- | --- | --- |\n" + under_colours(actors) + "\n",
         encoding="utf-8",
     )
 

@@ -42,7 +42,7 @@ export interface Lost { edit: number; point?: number | null; why: string }
 export interface Emotion { name: string; points: [number, number][]; interpolation?: Blend; start?: number | null; end?: number | null }
 export interface TakeRequest {
   text?: string; emotion?: string | string[]; voice?: string | null; language?: string | null; fps?: string | number; seed?: number;
-  performer?: string; speech_model?: string | null; prosody?: number; song?: boolean;
+  performer?: string; speech_model?: string | null; prosody?: number; effort?: string; song?: boolean;
 }
 export interface Take {
   take: string;

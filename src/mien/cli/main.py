@@ -217,7 +217,10 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         help="what moves the face: blendshapes, tree, regions, or a parameter tree in a file",
     )
     parser.add_argument(
-        "--performer", default="default", metavar="NAME|X.mien", help="who moves: default, authored, or a .mien file"
+        "--performer",
+        default="default",
+        metavar="NAME|X.mien",
+        help="who moves: default, mandarin, authored, or a .mien file",
     )
     parser.add_argument(
         "--speech-model",

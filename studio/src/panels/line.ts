@@ -5,7 +5,7 @@ import type { TakeRequest } from '../types';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
 const DROP = 'or drop a sound file here';
-const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'prosody', 'seed', 'fps'];
+const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'seed', 'fps'];
 
 export class LinePanel {
   readonly element = make('form', { class: 'panel', id: 'panel-line', 'aria-label': 'Line' });
@@ -20,6 +20,7 @@ export class LinePanel {
   private readonly language = make('select');
   private readonly performer = make('select');
   private readonly model = make('select');
+  private readonly effort = make('input', { type: 'text', value: 'auto', spellcheck: false, title: '0 to 2, 1 as recorded; auto: as a recording sounds; off; or points such as 0.5@0,1.6@2' });
   private readonly prosody = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.5 });
   private readonly seed = make('input', { type: 'number', min: 0, step: 1, value: 0, inputmode: 'numeric' });
   private readonly fps = make('input', { type: 'number', min: 1, max: 240, step: 1, value: 60, inputmode: 'numeric' });
@@ -33,7 +34,8 @@ export class LinePanel {
     const drop = make('div', { class: 'drop' }, make('label', { class: 'button', for: 'field-sound' }, 'Recording …'), this.file, this.fileName, this.noSound);
     const more = make('details', { class: 'more' }, make('summary', {}, 'Voice, performer and more'),
       field('Voice', 'voice', this.voice), field('Language', 'language', this.language), field('Performer', 'performer', this.performer),
-      field('Speech model', 'speech_model', this.model), field('Brows and nods on accents', 'prosody', this.prosody),
+      field('Speech model', 'speech_model', this.model), field('Effort (0 to 2, auto or off)', 'effort', this.effort),
+      field('Brows and nods on accents', 'prosody', this.prosody),
       make('div', { class: 'pair' }, field('Seed', 'seed', this.seed), field('Frames per second', 'fps', this.fps)));
     const soundField = make('div', { class: 'field', 'data-field': 'sound' }, drop, make('p', { class: 'fault', id: 'fault-sound', role: 'alert', hidden: true }));
     this.file.id = 'field-sound';
@@ -104,6 +106,7 @@ export class LinePanel {
       text: this.text.value,
       emotion: emotion === '' ? [] : emotion === 'auto' ? ['auto'] : [`${emotion}:${this.strength.value}`],
       performer: this.performer.value,
+      effort: this.effort.value.trim() || 'auto',
       prosody: Number(this.prosody.value),
       seed: Number(this.seed.value),
       fps: this.fps.value,
