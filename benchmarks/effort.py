@@ -112,7 +112,8 @@ def main() -> None:
         "| --- | --- | --- | --- | --- | --- | --- | --- |\n"
         + "\n".join(lines)
         + f"\n\nMedian ratio {plain:.2f} without effort, {with_effort:.2f} with it; at least 1.5 in {enough} of "
-        f"{len(ratios)}.\n\nThe same recordings in other colours, at other levels and in noise: effort, median (least to most)\n\n"
+        f"{len(ratios)}.\n\nThe same recordings in other colours, at other levels and in noise: effort, median (least\n"
+        "to most).\n\n"
         "| | neutral | angry |\n| --- | --- | --- |\n" + under_colours(actors) + "\n",
         encoding="utf-8",
     )

@@ -7,7 +7,7 @@ DATA holds emodb, grid-s1 and facegood-mandarin. Writes src/mien/assets/effort/v
 A logistic regression on three features (`mien.speech.vocal_effort`). How strained an acted emotion is follows from how
 far its pitch lies above neutral speech of the same speaker, at .4 semitones for a decibel (Andersson, Eriksson,
 Traunmüller 1996), angry speech being 1. Every recording is learned from as it is and with the colours of other
-microphones. The answer counts from where all corpora's ordinary speech lies below.
+microphones. The answer counts from where strained is likelier than not.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ORDINARY = "NLT"  # neutral, bored, sad
 SEMITONES = 0.4  # for a decibel
 COLOUR, COLOURS = 4.0, 8  # spread of microphones' tilt in dB; copies of each recording
 RIDGE, ROUNDS = 1e-2, 60
-THRESHOLD = 0.45
+THRESHOLD = 0.5
 GRID_TAKES, SECONDS = 60, 4.0
 Floats = NDArray[np.float64]
 
