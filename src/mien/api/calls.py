@@ -21,6 +21,7 @@ from mien.pipeline.options import (
     Effort,
     Emotions,
     Rate,
+    effort_by_hand,
     layer_of,
     prepared,
     score_of,
@@ -112,10 +113,10 @@ def say(
         raise InputError(
             "'auto' reads the emotion from a recorded voice; a synthetic one has what it is given: name an emotion"
         )
-    if isinstance(effort, str) and effort.strip().lower() == "auto":
-        raise InputError("'auto' reads the effort from a recorded voice; a synthetic one has none: give 0 to 2")
     layer = layer_of(edits)
-    performer, score, rate = prepared(performer, emotion, fps, seed, prosody, speech_model, alive, effort)
+    performer, score, rate = prepared(
+        performer, emotion, fps, seed, prosody, speech_model, alive, effort_by_hand(effort)
+    )
     spoken = spoken_text(
         text,
         performer,

@@ -58,6 +58,9 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     )
     perform.add_argument("--alive", default="all", help="signs of life, as for mien say (default all)")
     perform.add_argument("--edits", metavar="X.json", help="edits by hand, laid on every utterance (docs/edits.md)")
+    perform.add_argument(
+        "--effort", default=None, help="how hard the words are articulated, 0..2 or off, as for mien say"
+    )
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
     _add_streams(perform, lambda options: _perform(options, checked_face))
 
@@ -176,12 +179,13 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
 def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     from mien.animation.edits import EMPTY, read_layer
     from mien.core.errors import InputError
-    from mien.pipeline.options import prepared
+    from mien.pipeline.options import effort_by_hand, prepared
     from mien.serve.modules.handlers import Perform
 
     library = _library(options)
     given = {"speech_model": options.speech_model, "alive": options.alive}
     given |= {} if options.prosody is None else {"prosody": options.prosody}
+    given |= {} if options.effort is None else {"effort": effort_by_hand(options.effort)}
     performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed, **given)
     if options.output is not None and options.connect is not None:
         raise InputError("--output and --connect both say where the frames go: give one of them")

@@ -22,7 +22,7 @@ from mien.text.expression_parameters import read_expression_parameters
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [
-    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "efforts_of", "layer_of", "prepared", "score_of",
+    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "effort_by_hand", "efforts_of", "layer_of", "prepared", "score_of",
     "score_with_voice", "share_of", "split_auto", "with_heard_effort",
 ]  # fmt: skip
 
@@ -138,6 +138,19 @@ def efforts_of(effort: Effort) -> tuple[EffortSpan, ...]:
     if isinstance(effort, EffortCurve) or (isinstance(effort, (int, float)) and not isinstance(effort, bool)):
         return (EffortSpan(effort),)
     raise InputError(f"an effort is 0 to 2, a text such as '0.5@0,1.6@2', 'auto' or 'off', not {effort!r}")
+
+
+def effort_by_hand(effort: Effort) -> Effort:
+    """The same effort, if no recorded voice is needed for it.
+
+    Raises
+    ------
+    InputError
+        If it is ``"auto"``.
+    """
+    if isinstance(effort, str) and effort.strip().lower() == "auto":
+        raise InputError("'auto' reads the effort from a recorded voice; a synthetic one has none: give 0 to 2")
+    return effort
 
 
 def split_auto(emotion: Emotions) -> tuple[Emotions, bool]:
