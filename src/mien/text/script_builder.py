@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 from mien.core.errors import InputError, Note, unknown_name
+from mien.core.limits import check_size
 from mien.text.commands import Command, CommandLibrary
 from mien.text.intensity import SpanPoint
 from mien.text.script import (
@@ -142,6 +143,7 @@ class Builder:
     def _open(self, event: Event) -> None:
         if self.opened and self.opened[-1].event.text == "curve" and event.text != "key":
             raise self.fault(f"<curve> holds <key at= value=/> and nothing else, not <{event.text}>")
+        check_size("levels", len(self.opened) + 1, f"{self.source}, line {self.line}")
         self._end_pause(event.text)
         self.opened.append(Opened(event, lambda: None, text_at=len(self.text), segment_at=len(self.segments)))
         if any(item.event.text in SILENT for item in self.opened[:-1]):

@@ -12,11 +12,13 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from html import unescape
 from typing import Literal
 from xml.parsers import expat
 
 from mien.core.errors import InputError
+from mien.core.limits import check_size
 
 __all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text", "unknown_tag"]
 
@@ -28,11 +30,15 @@ _OWN_NAMESPACES = ("mien", "www.w3.org/2001/10/synthesis", "bml")
 _NAME = r"[A-Za-z_][\w.:-]*"
 _ATTRIBUTE = rf"""\s+({_NAME})\s*=\s*("[^"<]*"|'[^'<]*')"""
 _TAG = re.compile(rf"<(?:(/)\s*({_NAME})\s*|({_NAME})((?:{_ATTRIBUTE})*)\s*(/?))>")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENTITY = re.compile(r"&(?:lt|gt|amp|quot|apos|#\d{1,7}|#[xX][0-9a-fA-F]{1,6});")
-_DOCUMENT = re.compile(
-    rf"\s*(?:<\?xml\s.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|\s)*<(?:[\w.-]+:)?({'|'.join(ROOTS)})[\s/>]", re.DOTALL
-)
+_ROOT = re.compile(rf"<(?:[\w.-]+:)?({'|'.join(ROOTS)})[\s/>]")
+_HALF_TAG = re.compile(rf"</?({_NAME})")
+_CLOSING = re.compile(rf"</\s*({_NAME})")
+_BLANKS = re.compile(r"\s*")
+_PROLOGUE = (("<?xml", "?>"), ("<!--", "-->"), ("<!DOCTYPE", ">"))
+"""What may stand ahead of a root, and how it ends."""
+_MOST_UNKNOWN = 200
+"""Different unknown names in angle brackets that are compared with the known ones; what follows is text."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,23 @@ def is_document(text: str) -> bool:
     >>> is_document('<?xml version="1.0"?><speak>Hello.</speak>'), is_document("<HeadNod/> Hello.")
     (True, False)
     """
-    return _DOCUMENT.match(text) is not None or text.lstrip("\ufeff \t\r\n").startswith("<?xml")
+    return text.lstrip("\ufeff \t\r\n").startswith("<?xml") or _ROOT.match(text, _after_prologue(text)) is not None
+
+
+def _after_prologue(text: str) -> int:
+    """Where the root stands, if there is one: behind declarations, comments and blanks, passed over one by one."""
+    place = _end_of_blanks(text, 0)
+    while True:
+        end = next((end for start, end in _PROLOGUE if text.startswith(start, place)), None)
+        found = -1 if end is None else text.find(end, place)
+        if end is None or found < 0:
+            return place
+        place = _end_of_blanks(text, found + len(end))
+
+
+def _end_of_blanks(text: str, place: int) -> int:
+    found = _BLANKS.match(text, place)
+    return found.end() if found else place
 
 
 def read_tagged_text(text: str, known: Collection[str], source: str) -> Iterator[Event]:
@@ -94,6 +116,8 @@ def read_tagged_text(text: str, known: Collection[str], source: str) -> Iterator
     place, line = 0, 1
     plain: list[str] = []
     begun = 1
+    unknown = _UnknownTags(text, known)
+    last_comment = text.rfind("-->")
     while place < len(text):
         here = text.find("<", place)
         here = len(text) if here < 0 else here
@@ -101,38 +125,58 @@ def read_tagged_text(text: str, known: Collection[str], source: str) -> Iterator
         line += text.count("\n", place, here)
         if here == len(text):
             break
-        found = _COMMENT.match(text, here) or _TAG.match(text, here)
+        if here < last_comment and text.startswith("<!--", here) and (end := text.find("-->", here + 4)) >= 0:
+            place = end + 3
+            line += text.count("\n", here, place)
+            continue
+        found = _TAG.match(text, here)
         if found is None:
             _refuse_half_tag(text, here, known, f"{source}, line {line}")
             plain.append("<")
             place = here + 1
             continue
-        event = _event(found, line) if found.re is _TAG else None
-        if event is not None and event.text not in known and _is_text(event, text, known):
-            plain.append(found[0])
-        elif event is not None and event.text not in known:
-            raise unknown_tag(event, known, source)
-        elif event is not None:
+        event = _event(found, line)
+        if event.text in known:
             yield from _plain(plain, begun)
             plain, begun = [], line
             yield event
+        elif unknown.is_text(event):
+            plain.append(found[0])
+        else:
+            raise unknown_tag(event, known, source)
         place = found.end()
         line += text.count("\n", here, place)
     yield from _plain(plain, begun)
 
 
-def _is_text(event: Event, text: str, known: Collection[str]) -> bool:
-    """Whether what looks like an unknown tag is rather text, as in ``a<b>c``: bare, never closed, like no known tag."""
-    closed = event.kind == "close" or event.empty or f"</{event.text}" in text
-    return not (closed or event.attributes or get_close_matches(event.text, known, n=1, cutoff=0.75))
+class _UnknownTags:
+    """Which of what looks like unknown tags is rather text, as in ``a<b>c``: bare, never closed, like no known tag."""
+
+    def __init__(self, text: str, known: Collection[str]) -> None:
+        self._text, self._known = text, known
+        self._judged: dict[str, bool] = {}
+
+    @cached_property
+    def _closed(self) -> frozenset[str]:
+        return frozenset(_CLOSING.findall(self._text))
+
+    def is_text(self, event: Event) -> bool:
+        """Whether a tag whose name is not known is text."""
+        if event.kind == "close" or event.empty or event.attributes or event.text in self._closed:
+            return False
+        if event.text not in self._judged:
+            if len(self._judged) >= _MOST_UNKNOWN:
+                return True
+            self._judged[event.text] = not get_close_matches(event.text[:80], self._known, n=1, cutoff=0.75)
+        return self._judged[event.text]
 
 
 def unknown_tag(event: Event, known: Collection[str], source: str) -> InputError:
     """The error for a tag that is not known, with the nearest ones that are."""
-    near = get_close_matches(event.text, known, n=3)
+    near = get_close_matches(event.text[:80], known, n=3)
     guess = f"did you mean {' or '.join(f'<{name}>' for name in near)}?" if near else "docs/script.md lists the tags;"
     return InputError(
-        f"{source}, line {event.line}: unknown tag <{event.text}>: {guess} write &lt; where it is meant as text"
+        f"{source}, line {event.line}: unknown tag <{event.text[:80]}>: {guess} write &lt; where it is meant as text"
     )
 
 
@@ -150,7 +194,7 @@ def _event(found: re.Match[str], line: int) -> Event:
 
 
 def _refuse_half_tag(text: str, here: int, known: Collection[str], where: str) -> None:
-    name = re.match(rf"</?({_NAME})", text[here:])
+    name = _HALF_TAG.match(text, here)
     if name is None or name[1] not in known:
         return
     rest = text[here : here + 40].split("\n")[0]
@@ -174,9 +218,9 @@ class _Namespaces:
     def opened(self, name: str, attributes: dict[str, str]) -> bool:
         """Whether an element that opens is foreign."""
         new = {key.partition(":")[2]: value for key, value in attributes.items() if key.split(":")[0] == "xmlns"}
-        self.bound.append(self.bound[-1] | new)
+        self.bound.append(new)
         prefix = name.rpartition(":")[0]
-        space = self.bound[-1].get(prefix, prefix)
+        space = next((scope[prefix] for scope in reversed(self.bound) if prefix in scope), prefix)
         if self.root is None:
             self.root = space
         return space not in (self.root, "") and not any(word in space for word in _OWN_NAMESPACES)
@@ -201,6 +245,9 @@ def read_document(text: str, source: str) -> Iterator[Event]:
     spaces = _Namespaces()
 
     def start(name: str, attributes: dict[str, str]) -> None:
+        where = f"{source}, line {parser.CurrentLineNumber}"
+        check_size("levels", len(opened) + 1, where)
+        check_size("elements", len(events), where)
         foreign, name = spaces.opened(name, attributes), name.rpartition(":")[2]
         opened.append((name, parser.CurrentLineNumber))
         plain = {key: value for key, value in attributes.items() if not key.startswith(("xmlns", "xsi:"))}
