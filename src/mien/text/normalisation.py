@@ -138,6 +138,7 @@ def _shorten(text: str, limit: int = 40) -> str:
 # ---- Reading from left to right ------------------------------------------------------------------------------------
 
 _PAUSE_RANK = "-,;:!?."
+_LAST = re.compile(r"[ \"')\]]*\Z")
 
 
 def _scan(text: str) -> list[SpokenWord]:
@@ -157,7 +158,7 @@ def _scan(text: str) -> list[SpokenWord]:
         for start, end, spoken in READERS[name](match, text, shouting):
             words += [SpokenWord(word, start, end) for word in spoken.split()]
         place = match.end()
-        if name == "abbreviation" and not text[place:].strip(" \"')]"):
+        if name == "abbreviation" and _LAST.match(text, place):
             _note_pause(words, ".")
     return words
 

@@ -22,6 +22,10 @@ def english_table() -> dict[str, Any]:
     return tomllib.loads((files("mien") / "assets" / "text" / "english.toml").read_text(encoding="utf-8"))
 
 
+_MOST_DIGITS = 18
+"""Digits of a number that is said as one; longer ones are read digit by digit."""
+
+
 def cardinal(number: int) -> str:
     """A whole number in words; above 10**18 digit by digit.
 
@@ -66,9 +70,8 @@ def decimal(text: str) -> str:
     ('one thousand two hundred point zero five', 'point five')
     """
     whole, point, part = text.replace(",", "").partition(".")
-    if not point:
-        return cardinal(int(whole))
-    return (cardinal(int(whole)) + " " if whole else "") + "point " + digits(part)
+    spoken = digits(whole) if len(whole) > _MOST_DIGITS else cardinal(int(whole)) if whole else ""
+    return f"{spoken} point {digits(part)}".strip() if point else spoken
 
 
 def ordinal(number: int) -> str:

@@ -22,8 +22,17 @@ _NUMBER = r"(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?|\.\d+"
 _MONTHS = "january|february|march|april|may|june|july|august|september|october|november|december"
 _SHORT_MONTHS = r"(?:jan|feb|mar|apr|jun|jul|aug|sept?|oct|nov|dec)\b\.?"
 
+_NAME_AFTER = re.compile(r"\s{1,9}[A-Z][a-z]")
+_WORD_AND_BLANKS = 60
+_LONG_AMOUNT = 15  # digits
+
 Piece = tuple[int, int, str]
 Reader = Callable[[re.Match[str], str, bool], list[Piece]]
+
+
+def _just_before(match: re.Match[str], text: str) -> str:
+    """The word before a match and what parts them, and a little more."""
+    return text[max(0, match.start() - _WORD_AND_BLANKS) : match.start()]
 
 
 def _whole(match: re.Match[str], spoken: str) -> list[Piece]:
@@ -50,7 +59,7 @@ def _money(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     whole, _, cents = amount.partition(".")
     if size:
         return _whole(match, f"{decimal(amount)} {table['magnitudes'][size]} {many}")
-    if len(cents) != 2:
+    if len(cents) != 2 or len(whole) > _LONG_AMOUNT:
         return _whole(match, f"{decimal(amount)} {one if amount == '1' else many}")
     spoken = [f"{cardinal(int(whole))} {one if int(whole) == 1 else many}"] if int(whole or 0) else []
     if int(cents):
@@ -163,7 +172,7 @@ def _mixed(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
 def _roman(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     """Numbered after such as "chapter", ranked after a name, else a word in capitals."""
     number = _ROMAN[match.group()]
-    before = re.search(r"([^\W\d_]+)\s+$", text[: match.start()])
+    before = re.search(r"([^\W\d_]+)\s+$", _just_before(match, text))
     if before and before[1].lower() in english_table()["numbers"]["numbered"]:
         return _whole(match, cardinal(number))
     if before and before[1][:1].isupper() and not shouting:
@@ -228,8 +237,8 @@ def _before_number(match: re.Match[str], text: str, shouting: bool) -> list[Piec
 
 def _street_or_saint(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     table = english_table()["street_or_saint"]
-    after_name = re.search(r"(?:[A-Z][a-z]+|\d(?:st|nd|rd|th))\s+$", text[: match.start()])
-    before_name = re.match(r"\s+[A-Z][a-z]", text[match.end() :])
+    after_name = re.search(r"(?:[A-Z][a-z]+|\d(?:st|nd|rd|th))\s+$", _just_before(match, text))
+    before_name = _NAME_AFTER.match(text, match.end())
     return _whole(match, table["before_name" if before_name and not after_name else "after_name"])
 
 
@@ -262,7 +271,7 @@ def _is_spelt_out(capitals: str) -> bool:
 
 def _sign(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     sign = match.group()
-    if sign == "#" and re.match(r"\d", text[match.end() :]):
+    if sign == "#" and text[match.end() : match.end() + 1].isdecimal():
         return _whole(match, "number")
     return _whole(match, english_table()["signs"][sign])
 
@@ -283,8 +292,8 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
     currencies, sizes = _any_of(list(table["currencies"])), _any_of(list(table["magnitudes"]))
     return {
         "address": (
-            r"(?i:https?://[^\s\"<>]*[\w/]|www\.[^\s\"<>]*[\w/]|[\w.+-]+@[\w-]+(?:\.[\w-]+)+"
-            r"|[a-z][\w-]*\.(?:com|org|net|edu|gov|io)\b)",
+            r"(?i:https?://[^\s\"<>]*[\w/]|www\.[^\s\"<>]*[\w/]|[\w.+-]{1,64}@[\w-]{1,63}(?:\.[\w-]{1,63})+"
+            r"|[a-z][\w-]{0,63}\.(?:com|org|net|edu|gov|io)\b)",
             _address,
         ),
         "fixed": (rf"(?<![\w./])(?:{_any_of(list(table['fixed']))})(?![\w/]|\.\d|-\w)", _fixed),
@@ -320,12 +329,12 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
             r"\+\d{1,3}(?:[ .-]\d{2,4}){2,4}\b|\(\d{3}\)\s?\d{3}-\d{4}\b|(?:\d{3}[.-]){1,2}\d{4}\b",
             _phone_number,
         ),
-        "mixed": (rf"(?P<units>\d+)\s?(?P<vulgar>[{_VULGAR}])", _mixed),
-        "fraction": (r"(?:(?P<whole>\d+)\s)?(?P<top>\d{1,2})/(?P<bottom>[1-9]\d?)\b(?![/\d])", _fraction),
-        "ordinal": (r"(?i:(?P<place>\d[\d,]*)(?:st|nd|rd|th))\b", _ordinal),
+        "mixed": (rf"(?P<units>\d{{1,9}})\s?(?P<vulgar>[{_VULGAR}])", _mixed),
+        "fraction": (r"(?:(?P<whole>\d{1,9})\s)?(?P<top>\d{1,2})/(?P<bottom>[1-9]\d?)\b(?![/\d])", _fraction),
+        "ordinal": (r"(?i:(?P<place>\d[\d,]{0,12})(?:st|nd|rd|th))\b", _ordinal),
         "decade": (r"'?(?P<tens>\d{0,3}0)'?s\b(?<=\d\ds|\d's)", _decade),
         "years": (r"(?P<first_year>1[1-9]\d\d|20\d\d)[-—](?P<last_year>\d{4}|\d\d)\b", _years),
-        "range": (r"(?<![\w.-])(?P<low>\d+)[-—](?=(?P<high>\d+)(?!\d|[-—.]\d|[A-Za-z]))", _range),
+        "range": (r"(?<![\w.-])(?P<low>\d{1,9})[-—](?=(?P<high>\d{1,9})(?!\d|[-—.]\d|[A-Za-z]))", _range),
         "height": (r"(?P<feet>\d)'\s?(?P<inches>\d\d?)(?:\"|'')?", _height),
         "quantity": (
             rf"(?P<minus>(?<!\w)-)?(?P<measure>{_NUMBER})\s?(?P<unit>{_any_of(list(table['units']))})(?![\w'])",
