@@ -186,7 +186,7 @@ def test_wrong_files(tmp_path, document):
     (tmp_path / "noise.json").write_bytes(bytes(range(256)))
     with pytest.raises(InputError, match="UTF-8"):
         read_native(tmp_path / "noise.json")
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         read_native(tmp_path / "none.json")
 
 

@@ -158,9 +158,9 @@ FULL_DISK = """
 import resource, signal, sys
 import numpy as np
 from fractions import Fraction
-from mien.audio import Audio
-from mien.errors import OutputError
-from mien.output.video import write_frames
+from mien.core.audio import Audio
+from mien.core.errors import OutputError
+from mien.formats.video import write_frames
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
 noise = np.random.default_rng(0).integers(0, 255, (40, 48, 64, 3), dtype=np.uint8)

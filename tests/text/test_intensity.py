@@ -59,7 +59,7 @@ def test_spans_as_written(written: str, span: EmotionSpan) -> None:
         ("happy[a-b]", "NAME"),
         ("", "NAME"),
         ("happy:nan", "runs from 0 to 1"),
-        ("happy:nowhere.csv", "cannot read nowhere.csv"),
+        ("happy:nowhere.csv", "nowhere.csv: no such file"),
     ],
 )
 def test_mistakes_are_told(written: str, said: str) -> None:

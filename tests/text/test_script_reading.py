@@ -253,8 +253,13 @@ def test_files(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=words):
             read_script_file(tmp_path / name)
     (tmp_path / "d.txt").write_bytes(b"caf\xe9")
-    with pytest.raises(InputError, match=r"expected UTF-8 text, got other bytes at byte 3"):
-        read_script_file(tmp_path / "d.txt")
+    script = read_script_file(tmp_path / "d.txt")
+    assert script.text == "café"
+    assert [note.message for note in script.notes] == ["d.txt is not in UTF-8: read as Windows-1252 (Western European)"]
+    (tmp_path / "e.xml").write_bytes(
+        "<?xml version='1.0' encoding='iso-8859-2'?><speak>Łódź</speak>".encode("iso-8859-2")
+    )
+    assert read_script_file(tmp_path / "e.xml").text == "Łódź"
 
 
 @given(

@@ -15,7 +15,7 @@ from mien.formats.saving import save
 from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
-from mien.pipeline.inputs import heard, read_text, sound_of, spoken_recording, spoken_text
+from mien.pipeline.inputs import aligned, sound_of, spoken_recording, spoken_text
 from mien.pipeline.options import (
     DEFAULT_FPS,
     Effort,
@@ -30,6 +30,7 @@ from mien.pipeline.options import (
     split_auto,
     with_heard_effort,
 )
+from mien.pipeline.text_inputs import read_text, text_or_file
 from mien.text.script import Script
 
 __all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_motion", "read_text", "save", "say"]
@@ -188,6 +189,8 @@ def animate(
         score, note = score_with_voice(score, audio)
         performer.expression.check(score)
         notes = (*read, note)
+    if isinstance(text, str):
+        text = text_or_file(text)
     spoken = spoken_recording(
         audio, performer, text=text, language=language, song=song, tiers=tiers, commands=commands, notes=notes
     )
@@ -276,4 +279,4 @@ def align(
     InputError
         If sound or text cannot be read, or cannot be brought together.
     """
-    return heard(audio, text, language, song, tiers)
+    return aligned(audio, text_or_file(text), language, song, tiers)

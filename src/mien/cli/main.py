@@ -279,11 +279,12 @@ def _add_language_option(parser: argparse.ArgumentParser) -> None:
 
 def _say(options: argparse.Namespace) -> int:
     from mien.api import calls as api
+    from mien.pipeline.text_inputs import text_or_file
 
-    face = _checked_face(options, [options.script, options.edits])
+    face = _checked_face(options, [options.script, options.text, options.edits])
     if (options.text is None) == (options.script is None):
         raise InputError("expected a text to say, or a file with --script, and not both")
-    text = sys.stdin.read() if options.text == "-" else options.text
+    text = sys.stdin.read() if options.text == "-" else text_or_file(options.text or "")
     if options.script is not None:
         text = Path(options.script)
     animation = api.say(text, voice=options.voice, voice_emotion=options.voice_emotion, **_asked(options))

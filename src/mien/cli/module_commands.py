@@ -136,7 +136,7 @@ def _interpret(options: argparse.Namespace) -> int:
         raise InputError(f"{options.file} and --listen both say where the script comes from: give one of them")
     from mien.text.script_reading import read_script_file, script_text
 
-    text = script_text(options.file)
+    text, _ = script_text(options.file)
     read_script_file(options.file, library)
 
     class _File:

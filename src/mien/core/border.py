@@ -6,12 +6,18 @@ expects; an `mien.core.errors.InputError` passes as it is, anything else is put 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
+from typing import Concatenate, ParamSpec, TypeVar
 
 from mien.core.errors import InputError, MienError
 
-__all__ = ["reading"]
+__all__ = ["guarded", "reading"]
+
+Given = ParamSpec("Given")
+Source = TypeVar("Source")
+Content = TypeVar("Content")
 
 _LONGEST = 160
 
@@ -49,6 +55,31 @@ def reading(path: object, kind: str) -> Iterator[None]:
         raise InputError(_sentence(path, kind, problem)) from problem
     except Exception as problem:
         raise InputError(_sentence(path, kind, problem)) from problem
+
+
+Reader = Callable[Concatenate[Source, Given], Content]
+
+
+def guarded(kind: str) -> Callable[[Reader[Source, Given, Content]], Reader[Source, Given, Content]]:
+    """Have a reader, whose first argument is its file, run inside `reading`.
+
+    Examples
+    --------
+    >>> @guarded("a number")
+    ... def read(path): return float(path)
+    >>> read("7")
+    7.0
+    """
+
+    def around(read: Reader[Source, Given, Content]) -> Reader[Source, Given, Content]:
+        @wraps(read)
+        def guarded_read(path: Source, /, *given: Given.args, **named: Given.kwargs) -> Content:
+            with reading(path, kind):
+                return read(path, *given, **named)
+
+        return guarded_read
+
+    return around
 
 
 def _sentence(path: object, kind: str, problem: Exception) -> str:

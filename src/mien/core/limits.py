@@ -14,6 +14,7 @@ import os
 import re
 import struct
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -27,7 +28,10 @@ from mien.core.errors import InputError
 __all__ = [
     "LIMITS",
     "Limit",
+    "array_header",
+    "array_of",
     "check_size",
+    "file_beside",
     "fraction_of",
     "load_array",
     "load_arrays",
@@ -55,6 +59,7 @@ class Limit:
 LIMITS: dict[str, Limit] = {
     "file": Limit(4 * 2**30, "bytes in one file"),
     "text": Limit(2**26, "bytes of text"),
+    "document": Limit(2**29, "bytes of JSON"),
     "unpacked": Limit(2 * 2**30, "bytes when unpacked"),
     "numbers": Limit(100_000_000, "numbers"),
     "pixels": Limit(100_000_000, "pixels"),
@@ -66,6 +71,7 @@ LIMITS: dict[str, Limit] = {
     "levels": Limit(200, "levels, one inside the other"),
     "elements": Limit(1_000_000, "elements"),
     "name": Limit(10_000, "characters in a name"),
+    "stimuli": Limit(1_000_000, "stimuli"),
     "digits": Limit(400, "characters in a number"),
 }
 """Every limit by its name; the environment variable ``MIEN_MOST_<NAME>`` sets another."""
@@ -169,17 +175,48 @@ def fraction_of(value: float | str | Fraction, where: str) -> Fraction:
         raise InputError(f"{where}: expected a number, got {str(value)[:40]!r}") from problem
 
 
+def file_beside(path: str | Path, name: str) -> Path:
+    """The file that another names, if it lies in the same folder or below it.
+
+    Parameters
+    ----------
+    path : path-like
+        The file that names it.
+    name : str
+        Relative; a slash or a backslash between folders.
+
+    Raises
+    ------
+    InputError
+        If it lies elsewhere, is missing, or is no plain file.
+    """
+    folder = Path(path).resolve().parent
+    try:
+        place = (folder / name.replace("\\", "/")).resolve()
+        if not place.is_relative_to(folder):
+            raise InputError(f"{name[:80]!r} lies outside the folder of {Path(path).name}: put it beside the file")
+        if not place.is_file():
+            raise InputError(f"{name[:80]!r} is not there, beside {Path(path).name}")
+    except (OSError, ValueError) as problem:
+        raise InputError(f"{name[:80]!r} cannot be read ({getattr(problem, 'strerror', None) or problem})") from problem
+    return place
+
+
 # ------------------------------------------------------------------ archives of arrays
 
 
-def load_arrays(source: str | Path | IO[bytes], name: object = None) -> dict[str, NDArray[Any]]:
-    """All arrays of an ``.npz`` file, each judged by its header before it is unpacked.
+def load_arrays(
+    source: str | Path | IO[bytes], name: object = None, only: Callable[[str], bool] = lambda name: True
+) -> dict[str, NDArray[Any]]:
+    """The arrays of an ``.npz`` file, each judged by its header before it is unpacked.
 
     Parameters
     ----------
     source : path-like or open file
     name : object, optional
         For messages; the default is ``source``.
+    only : callable, optional
+        Which arrays to read, by their names.
 
     Raises
     ------
@@ -190,8 +227,8 @@ def load_arrays(source: str | Path | IO[bytes], name: object = None) -> dict[str
     name = source if name is None else name
     try:
         with zipfile.ZipFile(source) as archive:
-            check_size("unpacked", sum(member.file_size for member in archive.infolist()), name)
-            members = [member for member in archive.infolist() if not member.is_dir()]
+            members = [m for m in archive.infolist() if not m.is_dir() and only(m.filename.removesuffix(".npy"))]
+            check_size("unpacked", sum(member.file_size for member in members), name)
             return {m.filename.removesuffix(".npy"): _member(archive, m, name) for m in members}
     except InputError:
         raise
@@ -235,7 +272,7 @@ def load_array(source: str | Path | IO[bytes], name: object = None) -> NDArray[A
     size = source.seek(0, os.SEEK_END) - start
     source.seek(start)
     try:
-        return _array(source, size, name)
+        return array_of(source, size, name)
     except InputError:
         raise
     except Exception as problem:  # numpy evaluates the header: a damaged one raises almost anything
@@ -252,11 +289,29 @@ def open_quietly(path: str | Path) -> IO[bytes]:
 
 def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: object) -> NDArray[Any]:
     with archive.open(member) as file:
-        return _array(file, member.file_size, f"{name}, {member.filename}")
+        return array_of(file, member.file_size, f"{name}, {member.filename}")
 
 
-def _array(file: IO[bytes], size: int, where: object) -> NDArray[Any]:
-    """An array out of an open ``.npy`` of ``size`` bytes: shape and type must fit that size before any is allocated."""
+def array_of(file: IO[bytes], size: int, where: object) -> NDArray[Any]:
+    """An array out of an open ``.npy`` of ``size`` bytes: shape and type must fit that size before any is allocated.
+
+    Raises
+    ------
+    InputError
+        If they do not.
+    """
+    shape, in_columns, dtype, _ = array_header(file, size, where)
+    count = math.prod(shape)
+    wanted = count * dtype.itemsize
+    content = file.read(wanted)
+    if len(content) < wanted:
+        raise InputError(f"{where}: cut short: {wanted} bytes promised, {len(content)} there")
+    flat = np.frombuffer(bytearray(content), dtype=dtype, count=count)
+    return flat.reshape(shape, order="F" if in_columns else "C")
+
+
+def array_header(file: IO[bytes], size: int, where: object) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
+    """Shape, order (whether by columns) and type of an open ``.npy`` of ``size`` bytes, and where its numbers begin."""
     head = file.read(10)
     if len(head) < 10 or head[:6] != b"\x93NUMPY":
         raise InputError(f"{where}: not an array (.npy)")
@@ -268,14 +323,10 @@ def _array(file: IO[bytes], size: int, where: object) -> NDArray[Any]:
     shape, in_columns, dtype = _header(file.read(length).decode("latin-1"), where)
     count = math.prod(shape)
     check_size("numbers", count, where)
-    wanted = count * dtype.itemsize
-    if dtype.hasobject or wanted > size:
-        raise InputError(f"{where}: {count} elements of {dtype} promised, {size} bytes there: is it cut short?")
-    content = file.read(wanted)
-    if len(content) < wanted:
-        raise InputError(f"{where}: cut short: {wanted} bytes promised, {len(content)} there")
-    flat = np.frombuffer(bytearray(content), dtype=dtype, count=count)
-    return flat.reshape(shape, order="F" if in_columns else "C")
+    begin = len(head) + len(rest) + length
+    if dtype.hasobject or count * dtype.itemsize > size - begin:
+        raise InputError(f"{where}: {count} elements of {dtype} promised, {size - begin} bytes there: is it cut short?")
+    return shape, in_columns, dtype, begin
 
 
 def _header(text: str, where: object) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:

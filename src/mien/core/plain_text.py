@@ -12,7 +12,7 @@ from pathlib import Path
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_size, read_bytes
 
-__all__ = ["decode_text", "read_plain_text"]
+__all__ = ["decode_text", "first_line", "read_plain_text"]
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -23,6 +23,7 @@ _MARKS = (
 )
 _NOT_TEXT = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f\x81\x8d\x8f\x90\x9d]")
 _SAMPLE = 4096
+_LONGEST_LINE = 65536
 
 
 def read_plain_text(path: str | Path, what: str = "text") -> tuple[str, tuple[Note, ...]]:
@@ -40,6 +41,19 @@ def read_plain_text(path: str | Path, what: str = "text") -> tuple[str, tuple[No
         If the file is missing, no file, larger than the limit ``text``, or no text.
     """
     return decode_text(read_bytes(path, "text"), path, what)
+
+
+def first_line(path: Path) -> str:
+    """The first line of a file, without blanks around it; empty where it is no text."""
+    with path.open("rb") as file:
+        head = file.read(_LONGEST_LINE)
+    whole = head[: head.rfind(b"\n") + 1] or head[: len(head) // 4 * 4]
+    if head[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        whole = head[: len(head) // 4 * 4]
+    try:
+        return decode_text(whole, path)[0].partition("\n")[0].strip()
+    except InputError:
+        return ""
 
 
 def decode_text(content: bytes, where: object, what: str = "text") -> tuple[str, tuple[Note, ...]]:

@@ -7,13 +7,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import reading
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays
 from mien.corpus.import_preparation import Job, layout_for
 from mien.corpus.readers import Found, reader_named
 from mien.corpus.recipes import FIELDS, Recipe
@@ -172,11 +173,9 @@ def references(
 
 
 def _read_references(path: Path) -> dict[str, Floats]:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {str(s): np.asarray(f) for s, f in zip(file["speakers"], file["frames"], strict=True)}
-    except (OSError, ValueError, KeyError, BadZipFile) as problem:
-        raise InputError(f"{path}: damaged ({problem}); delete it and import again") from problem
+    with reading(path, "reference frames (delete it and import again)"):
+        file = load_arrays(path)
+        return {str(s): np.asarray(f) for s, f in zip(file["speakers"], file["frames"], strict=True)}
 
 
 @dataclass(frozen=True)

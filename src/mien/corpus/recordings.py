@@ -26,7 +26,6 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,15 +170,16 @@ class Corpus:
         """
         motion = self.folder / "motion" / f"{name}.npz"
         try:
-            with np.load(motion, allow_pickle=False) as file:
+            with reading(motion, "the motion of a take"):
+                file = load_arrays(motion)
                 rate = FrameRate(Fraction(*(int(n) for n in file["rate"])))
                 markers = MarkerTrack([str(n) for n in file["names"]], file["markers"], rate)
                 head = np.array(file["head"]) if "head" in file else None
                 channels = None
                 if "channels" in file and self.about.get("recipe") not in _TRACKED:
                     channels = ChannelTrack([str(n) for n in file["channel_names"]], file["channels"], rate)
-        except (OSError, ValueError, KeyError, BadZipFile) as problem:
-            raise InputError(f"{motion}: missing or damaged ({problem}); import the take again") from problem
+        except InputError as problem:
+            raise InputError(f"{motion}: missing or damaged; import the take again ({problem})") from problem
         return markers, head, channels
 
     def has_recorded_channels(self, name: str) -> bool:
@@ -189,9 +189,8 @@ class Corpus:
     def channel_stamp(self, name: str) -> str:
         """What the captured channels of a take were made with and from; empty if there are none."""
         try:
-            with np.load(self._channel_file(name), allow_pickle=False) as file:
-                return str(file["stamp"])
-        except (OSError, ValueError, KeyError, BadZipFile):
+            return str(load_arrays(self._channel_file(name), only=lambda array: array == "stamp")["stamp"])
+        except (InputError, KeyError):
             return ""
 
     def write_channels(self, name: str, channels: ChannelTrack, stamp: str) -> None:
@@ -214,10 +213,11 @@ class Corpus:
         if not path.exists():
             return None
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with reading(path, "captured channels"):
+                file = load_arrays(path)
                 moving = ChannelTrack([str(n) for n in file["names"]], file["channels"], markers.rate)
                 found = moving.select([str(n) for n in file["all_names"]])
-        except (OSError, ValueError, KeyError, BadZipFile, InputError) as problem:
+        except InputError as problem:
             raise InputError(f"{path}: damaged ({problem}); delete it and run 'mien corpus upgrade'") from problem
         return found if len(found) == len(markers) else None  # of an older import of the take
 

@@ -53,10 +53,7 @@ def timed(audio: Audio, transcript: Transcript, recipe: Recipe, source: str) -> 
         If the language cannot be aligned, the sound is silent or too short, or no alignment was found.
     """
     if transcript.phones is not None and transcript.words is not None:
-        end = max(i.end for i in (*transcript.words, *transcript.phones))
-        if end > audio.duration + 0.1:
-            raise InputError(f"{source}: its TextGrid ends at {end:.2f} s, its sound at {audio.duration:.2f} s")
-        return Timed(transcript.words, without_holes(transcript.phones, audio.duration), None, ())
+        return Timed(*timed_by_grid(transcript, audio.duration, source), None, ())
     if audio.duration < _SHORTEST_SOUND or audio.is_silent():
         raise InputError(f"{source}: its {audio.duration:.2f} s of sound are silent: is it the right file or channel?")
     try:
@@ -64,6 +61,22 @@ def timed(audio: Audio, transcript: Transcript, recipe: Recipe, source: str) -> 
     except InputError as problem:
         raise InputError(f"{source}: {problem}") from problem
     return replace(found, notes=tuple(Note(note.kind, f"{source}: {note.message}") for note in found.notes))
+
+
+def timed_by_grid(transcript: Transcript, duration: float, source: str) -> tuple[Tier, Tier]:
+    """Words and phones as a TextGrid has them, over the whole of a sound.
+
+    Raises
+    ------
+    InputError
+        If the TextGrid has no phones, or goes on after the sound has ended.
+    """
+    if transcript.phones is None or transcript.words is None:
+        raise InputError(f"{source}: its TextGrid has no tier of phones")
+    end = max(i.end for i in (*transcript.words, *transcript.phones))
+    if end > duration + 0.1:
+        raise InputError(f"{source}: its TextGrid ends at {end:.2f} s, its sound at {duration:.2f} s")
+    return transcript.words, without_holes(transcript.phones, duration)
 
 
 def _aligned(audio: Audio, text: str, recipe: Recipe) -> Timed:

@@ -8,14 +8,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from mien.core.border import reading
 from mien.core.errors import InputError, Note, unknown_name
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE
 from mien.corpus.recipes import FIELDS
 from mien.formats.textgrid import read_textgrid
 from mien.text.phones import phone_table
 
-__all__ = ["Transcript", "decoded", "own_table", "read_table", "read_transcript"]
+__all__ = ["Transcript", "own_table", "read_table", "read_transcript"]
 
 _PAUSES = frozenset({"", "sil", "sp", "spn", "pau", "h#", "#", "<sil>", "<p:>", "silence", "_"})
 _ALIGN_TICKS = 25_000  # of GRID's .align files per second
@@ -43,34 +46,6 @@ class Transcript:
     notes: tuple[Note, ...] = ()
 
 
-def decoded(content: bytes, path: Path) -> tuple[str, tuple[Note, ...]]:
-    r"""Text of a file: UTF-8, UTF-16 with its mark, else Windows-1252 with a note.
-
-    Raises
-    ------
-    InputError
-        If it is no text; the message names the byte.
-
-    Examples
-    --------
-    >>> text, notes = decoded("s\u00e4".encode("cp1252"), Path("a.txt"))
-    >>> text, notes[0].message
-    ('sä', 'a.txt is not UTF-8 (byte 1): read as Windows-1252')
-    """
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        try:
-            return content.decode("utf-16"), ()
-        except UnicodeDecodeError as problem:
-            raise InputError(f"{path}: damaged UTF-16 text at byte {problem.start}") from problem
-    if b"\x00" in content:
-        raise InputError(f"{path}: expected text, byte {content.index(0)} is 0: is it of another kind?")
-    try:
-        return content.decode("utf-8-sig"), ()
-    except UnicodeDecodeError as problem:
-        note = Note("note", f"{path.name} is not UTF-8 (byte {problem.start}): read as Windows-1252")
-        return content.decode("cp1252", errors="replace"), (note,)
-
-
 def read_transcript(path: Path) -> Transcript:
     """Read a ``.txt``, ``.lab``, ``.align`` or ``.TextGrid``.
 
@@ -82,10 +57,7 @@ def read_transcript(path: Path) -> Transcript:
     suffix = path.suffix.lower()
     if suffix == ".textgrid":
         return _from_textgrid(path)
-    try:
-        text, notes = decoded(path.read_bytes(), path)
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    text, notes = read_plain_text(path)
     if suffix == ".align":
         transcript = _from_labels(path, text, notes, _ALIGN_TICKS)
     elif suffix == ".lab" and re.match(r"\s*\d+\s+\d+\s+\S", text):
@@ -172,11 +144,14 @@ def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]
     InputError
         If a column is not known, or a name repeats.
     """
-    try:
-        text, notes = decoded(path.read_bytes(), path)
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    with reading(path, "a table of takes"):
+        text, notes = read_plain_text(path, "a table")
+        return _table(path, text), notes
+
+
+def _table(path: Path, text: str) -> dict[str, dict[str, str]]:
     lines = text.splitlines()
+    check_size("rows", len(lines), path)
     header = lines[0] if lines else ""
     delimiter = max("\t;,", key=header.count)
     rows = csv.DictReader(lines, delimiter=delimiter)
@@ -189,10 +164,10 @@ def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]
         if column not in ("name", *FIELDS):
             raise unknown_name(f"column in {path.name}", column, ("name", *FIELDS))
     rows.fieldnames = columns
-    return _rows_by_name(path, rows, delimiter), notes
+    return _rows_by_name(path, rows)
 
 
-def _rows_by_name(path: Path, rows: csv.DictReader[str], delimiter: str) -> dict[str, dict[str, str]]:
+def _rows_by_name(path: Path, rows: csv.DictReader[str]) -> dict[str, dict[str, str]]:
     table: dict[str, dict[str, str]] = {}
     for row in rows:
         cells: Mapping[str, str | None] = row
@@ -201,6 +176,7 @@ def _rows_by_name(path: Path, rows: csv.DictReader[str], delimiter: str) -> dict
                 f"{path}, line {rows.line_num}: more cells than columns: quote a text that holds the separator"
             )
         name = (cells["name"] or "").strip()
+        check_size("name", len(name), f"{path}, line {rows.line_num}")
         if name in table:
             raise InputError(f"{path}, line {rows.line_num}: the name {name!r} is there twice; keep one of the lines")
         table[name] = {key: value.strip() for key, value in cells.items() if key != "name" and value and value.strip()}

@@ -17,14 +17,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.border import reading
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays, read_bytes, read_member
 from mien.core.poses import read_table
 from mien.emotion.emotion_samples import VOICE, EmotionSamples, features_of
 from mien.emotion.support_vectors import Kernel, SupportVectors
@@ -257,35 +259,23 @@ def load_classifier(path: str | Path) -> EmotionClassifier:
     InputError
         If the file is missing or is none.
     """
-    try:
-        content = Path(path).read_bytes()
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    return _read(content, str(path))
+    return _read(read_bytes(path), str(path))
 
 
 def _read(content: bytes, name: str) -> EmotionClassifier:
-    try:
+    with reading(name, "a classifier made by 'mien emotion-train'"):
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            head = json.loads(archive.read("classifier.json"))
+            head = json.loads(read_member(archive, "classifier.json", name))
             if head.get("format") != FORMAT:
                 raise KeyError("format")
             if head["version"] > VERSION:
                 raise InputError(f"{name}: was written by a newer mien (version {head['version']} of the format)")
-            arrays: dict[str, NDArray[Any]] = {
-                member.removesuffix(".npy"): np.lib.format.read_array(
-                    io.BytesIO(archive.read(member)), allow_pickle=False
-                )
-                for member in archive.namelist()
-                if member.endswith(".npy")
-            }
+        arrays = load_arrays(io.BytesIO(content), name, only=lambda member: not member.endswith(".json"))
         made = EmotionClassifier(head["features"], head["kernel"], float(head["cost"]))
         made.threshold_, made.about_ = float(head["threshold"]), head["about"]
         made.machine_ = SupportVectors.from_arrays(arrays)
         made.activation_ = arrays["activation"]
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError, AttributeError) as problem:
-        raise InputError(f"{name}: is no classifier made by 'mien emotion-train' ({problem})") from problem
-    return made
+        return made
 
 
 @lru_cache(maxsize=1)

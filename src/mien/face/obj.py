@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import check_size, read_bytes
 from mien.face.model import Face, Material, Part
 
 __all__ = ["MESH", "Mesh", "face_of_mesh", "read_obj", "write_obj"]
@@ -47,6 +49,7 @@ class Mesh:
     colours: NDArray[np.float64]
 
 
+@guarded("an OBJ file")
 def read_obj(path: str | Path) -> Mesh:
     """Read an OBJ file.
 
@@ -56,10 +59,8 @@ def read_obj(path: str | Path) -> Mesh:
         If the file is missing or no text, has no vertices, or a line cannot be understood (file and line are named).
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    text = read_bytes(path).decode("utf-8", errors="replace")
+    check_size("rows", text.count("\n"), path)
     points: list[list[float]] = []
     places: list[list[float]] = []
     triangles: list[tuple[int, int, int]] = []

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,8 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays
+from mien.core.pictures import opened_picture
 from mien.face.model import Eye, Face, Material, Part, Target
 
 __all__ = ["read_face", "write_face"]
@@ -102,6 +104,7 @@ def _pack_part(part: Part, arrays: Arrays, jpeg_quality: int) -> None:
         keep(f"targets/{name}/offsets", _hundredths(part.name, target.offsets))
 
 
+@guarded("a face of mien")
 def read_face(path: str | Path) -> Face:
     """Read a face file and check that its indices and numbers fit together.
 
@@ -111,38 +114,37 @@ def read_face(path: str | Path) -> Face:
         If the file is missing, is no face file, or is damaged.
     """
     path = Path(path)
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        facts = json.loads(arrays["face"].tobytes())
-        if facts["format"] != FORMAT:
-            raise InputError(f"{path} is a face in format {facts['format']!r}; this mien reads {FORMAT!r}")
-        face = Face(
-            name=facts["name"],
-            parts=tuple(_unpack_part(part, arrays) for part in facts["parts"]),
-            eyes=tuple(Eye(**{**eye, "centre": tuple(eye["centre"])}) for eye in facts["eyes"]),
-            head_pivot=tuple(facts["head_pivot"]),
-            sites={name: (part, vertex) for name, (part, vertex) in facts["sites"].items()},
-            licence=facts["licence"],
-        )
-    except FileNotFoundError as problem:
-        raise InputError(f"there is no face file {path}") from problem
-    except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as problem:
-        raise InputError(f"{path} is no mien face file, or it is damaged ({problem})") from problem
+    if not path.exists():
+        raise InputError(f"there is no face file {path}")
+    arrays = load_arrays(path)
+    facts = json.loads(arrays["face"].tobytes())
+    if facts["format"] != FORMAT:
+        raise InputError(f"{path} is a face in format {str(facts['format'])[:80]!r}; this mien reads {FORMAT!r}")
+    face = Face(
+        name=str(facts["name"]),
+        parts=tuple(_unpack_part(part, arrays, path) for part in facts["parts"]),
+        eyes=tuple(Eye(**{**eye, "centre": tuple(eye["centre"])}) for eye in facts["eyes"]),
+        head_pivot=tuple(facts["head_pivot"]),
+        sites={name: (part, vertex) for name, (part, vertex) in facts["sites"].items()},
+        licence=facts["licence"],
+    )
     faults = _faults(face)
     if faults:
         raise InputError(f"{path}: " + "; ".join(faults))
     return face
 
 
-def _unpack_part(facts: Mapping[str, Any], arrays: Arrays) -> Part:
+def _unpack_part(facts: Mapping[str, Any], arrays: Arrays, path: Path) -> Part:
     name = facts["name"]
 
     def millimetres(key: str) -> NDArray[np.float32]:
         return arrays[f"{name}/{key}"].astype(np.float32) * np.float32(_STEP)
 
     picture = arrays.get(f"{name}/texture")
-    texture = None if picture is None else np.asarray(Image.open(io.BytesIO(picture.tobytes())).convert("RGB"))
+    texture = None
+    if picture is not None:
+        with opened_picture(picture.tobytes(), f"{path}, {name}/texture") as opened:
+            texture = np.asarray(opened.convert("RGB"))
     material = dict(facts["material"], colour=tuple(facts["material"]["colour"]), texture=texture)
     return Part(
         name=name,

@@ -29,8 +29,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.plain_text import read_plain_text
 from mien.face.parameter_tree import Influence, Parameter, ParameterTree, tree_faults
 from mien.face.tree_regions import REGIONS, Listed, Region, read_number, read_three
 
@@ -148,6 +150,7 @@ def _influences(draft: _Draft, vertices: Vertices, faults: list[tuple[int, str]]
     return found
 
 
+@guarded("a parameter tree")
 def read_tree(path: str | Path) -> TreeConfig:
     """Read a configuration; faults of single lines are collected in `TreeConfig.faults`.
 
@@ -156,14 +159,7 @@ def read_tree(path: str | Path) -> TreeConfig:
     InputError
         If the file cannot be read or is no tree configuration at all.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    return parse_tree(text, str(path))
+    return parse_tree(read_plain_text(path, "a parameter tree")[0], str(path))
 
 
 def parse_tree(text: str, source: str = "tree") -> TreeConfig:

@@ -27,7 +27,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
+from mien.core.plain_text import read_plain_text
 
 __all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
 
@@ -83,6 +85,7 @@ def other_side(name: str) -> str:
     return name[:-6] + "_left" if name.endswith("_right") else name
 
 
+@guarded("landmarks")
 def read_landmarks(path: str | Path, width: int = 3) -> dict[str, tuple[float, ...]]:
     """Read a file of landmarks: each name with ``width`` numbers, or with one (the number of a vertex).
 
@@ -98,11 +101,7 @@ def read_landmarks(path: str | Path, width: int = 3) -> dict[str, tuple[float, .
         raise InputError(
             f"{path}: landmarks are read from .csv, .json or .toml, not from {path.suffix or 'no suffix'!r}"
         )
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError(f"{path}: cannot be read ({getattr(problem, 'strerror', None) or problem})") from problem
-    return parsed_landmarks(text, kind, str(path), width)
+    return parsed_landmarks(read_plain_text(path, "landmarks")[0], kind, str(path), width)
 
 
 def parsed_landmarks(text: str, kind: str, where: str, width: int) -> dict[str, tuple[float, ...]]:

@@ -8,17 +8,20 @@ them, at rest (no skinning, no morph targets); the base colour texture if all sh
 
 from __future__ import annotations
 
-import io
-import json
+import contextlib
 import struct
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
+from mien.core.limits import check_size, file_beside, read_bytes
+from mien.core.pictures import opened_picture
+from mien.face.foreign.accessors import AccessorReader
+from mien.face.foreign.gltf_document import GltfDocument, read_gltf
 from mien.face.obj import read_obj
 from mien.fit.head_parts import GivenMesh
 
@@ -31,8 +34,10 @@ _PLY_TYPES = {
     "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
-_GL_TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_GL_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+_EXTENSIONS = {
+    "KHR_texture_transform", "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_materials_unlit",
+}  # fmt: skip
+"""What a GLB may need: decoded, or of no effect on a bare mesh."""
 
 
 def read_picture(path: str | Path) -> NDArray[np.uint8]:
@@ -45,13 +50,11 @@ def read_picture(path: str | Path) -> NDArray[np.uint8]:
     """
     from PIL import ImageOps
 
-    try:
-        with Image.open(path) as picture:
-            return np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
-    except (OSError, UnidentifiedImageError, ValueError, Image.DecompressionBombError) as problem:
-        raise InputError(f"{path}: cannot be read as a picture ({problem})") from problem
+    with opened_picture(path) as picture:
+        return np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
 
 
+@guarded("a mesh")
 def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
     """Read a mesh by its suffix, with a picture for its surface if one is given.
 
@@ -88,11 +91,8 @@ def _read_obj(path: Path, texture: str | Path | None) -> tuple[GivenMesh, str | 
 
 
 def _lines(path: Path, *kinds: str) -> list[list[str]]:
-    """The fields of an OBJ or MTL file's lines of some kinds; a file that cannot be read has none."""
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
-    except OSError:
-        return []
+    """The fields of an OBJ or MTL file's lines of some kinds."""
+    text = read_bytes(path).decode("utf-8", errors="replace").replace("\\\n", " ")
     rows = (line.split("#", 1)[0].split() for line in text.splitlines())
     return [row for row in rows if row and row[0] in kinds]
 
@@ -101,11 +101,20 @@ def _picture_of_material(path: Path) -> Path | None:
     """The one picture (``map_Kd``) that the materials of an OBJ file name, if it lies beside it."""
     found = set()
     for row in _lines(path, "mtllib"):
-        for material in _lines(path.parent / " ".join(row[1:]), "map_Kd"):
-            picture = path.parent / material[-1].replace("\\", "/")
-            if picture.is_file():
+        materials = _beside(path, " ".join(row[1:]))
+        for material in _lines(materials, "map_Kd") if materials else ():
+            picture = _beside(path, material[-1])
+            if picture is not None:
                 found.add(picture)
     return found.pop() if len(found) == 1 else None
+
+
+def _beside(path: Path, name: str) -> Path | None:
+    """A file that an OBJ names, in its folder: of a place on another disk the last name counts."""
+    for candidate in (name, name.replace("\\", "/").rpartition("/")[2]):
+        with contextlib.suppress(InputError):
+            return file_beside(path, candidate)
+    return None
 
 
 def _split_at_seams(path: Path, mesh: GivenMesh) -> GivenMesh:
@@ -154,18 +163,11 @@ def _numbers_of(field: str, points: int, places: int) -> tuple[int, int]:
     )
 
 
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-
-
 # ------------------------------------------------------------------ PLY
 
 
 def _read_ply(path: Path) -> GivenMesh:
-    data = _bytes(path)
+    data = read_bytes(path)
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
         raise InputError(f"{path} is no PLY file: it does not start with 'ply' and a header")
@@ -187,12 +189,21 @@ def _ply_header(lines: list[str]) -> tuple[str, list[dict[str, Any]]]:
         if word == "format":
             kind = fields[0]
         elif word == "element":
-            elements.append({"name": fields[0], "count": int(fields[1]), "fields": []})
+            elements.append({"name": fields[0], "count": _count(fields[1]), "fields": []})
         elif word == "property":
             elements[-1]["fields"].append(fields)
     if kind not in ("ascii", "binary_little_endian", "binary_big_endian"):
         raise ValueError(f"format {kind!r}")
     return kind, elements
+
+
+def _count(text: str) -> int:
+    """How many rows an element has."""
+    count = int(text)
+    if count < 0:
+        raise ValueError(f"{count} rows")
+    check_size("rows", count, "an element")
+    return count
 
 
 def _ply_ascii(body: bytes, elements: list[dict[str, Any]]) -> dict[str, Any]:
@@ -218,6 +229,8 @@ def _ply_binary(body: bytes, elements: list[dict[str, Any]], kind: str) -> dict[
     at = 0
     for element in elements:
         fields, count = element["fields"], element["count"]
+        if not fields:
+            raise ValueError(f"{element['name']} has no properties")
         if not any(field[0] == "list" for field in fields):
             dtype = np.dtype([(field[-1], order + _PLY_TYPES[field[0]]) for field in fields])
             table = np.frombuffer(body, dtype, count, at)
@@ -279,57 +292,42 @@ def _ply_mesh(rows: dict[str, Any]) -> GivenMesh:
 
 
 def _read_glb(path: Path) -> GivenMesh:
-    data = _bytes(path)
-    try:
-        return _glb_mesh(data)
-    except (ValueError, KeyError, IndexError, TypeError, struct.error, OSError) as problem:
-        raise InputError(f"{path}: no GLB that can be read, or damaged ({problem})") from problem
-
-
-def _glb_mesh(data: bytes) -> GivenMesh:
-    magic, version, _ = struct.unpack_from("<4sII", data)
-    if magic != b"glTF" or version != 2:
-        raise ValueError("it does not start as glTF 2 does")
-    size = struct.unpack_from("<I", data, 12)[0]
-    document = json.loads(data[20 : 20 + size])
-    start = 20 + size + 8
-    buffer = data[start:]
-    needed = set(document.get("extensionsRequired", [])) - {"KHR_texture_transform", "KHR_mesh_quantization"}
+    file = read_gltf(path)
+    needed = set(file.json.get("extensionsRequired", [])) - _EXTENSIONS
     if needed:
-        raise ValueError(f"it needs {', '.join(sorted(needed))}, which is not read here: export it without")
+        raise InputError(f"{path}: it needs {', '.join(sorted(map(str, needed)))}, not read here: export it without")
+    reader = AccessorReader(file)
     pieces: list[tuple[Floats, Floats, Floats, NDArray[np.int64]]] = []
     materials: list[int | None] = []
-    nodes = document.get("nodes", [])
-    roots = document["scenes"][document.get("scene", 0)]["nodes"] if document.get("scenes") else range(len(nodes))
+    nodes, scenes = file.list_of("nodes"), file.list_of("scenes")
+    roots = (
+        scenes[file.json.get("scene", 0)].get("nodes", [])
+        if scenes
+        else sorted(set(range(len(nodes))) - set(file.parents()))
+    )
     stack = [(int(root), np.eye(4)) for root in roots]
-    seen = 0
-    while stack:
+    while stack:  # a tree: `read_gltf` has seen to that
         number, parent = stack.pop()
-        seen += 1
-        if seen > len(nodes):
-            raise ValueError("its nodes make a loop")
         node = nodes[number]
         place = parent @ _local(node)
         stack += [(int(child), place) for child in node.get("children", [])]
         if "mesh" in node:
             skinned = np.eye(4) if "skin" in node else place
-            for primitive in document["meshes"][node["mesh"]]["primitives"]:
+            for primitive in file.list_of("meshes")[node["mesh"]]["primitives"]:
                 if primitive.get("mode", 4) == 4:
-                    pieces.append(_primitive(document, buffer, primitive, skinned))
+                    pieces.append(_primitive(reader, primitive, skinned))
                     materials.append(primitive.get("material"))
     if not pieces:
-        raise ValueError("it has no triangles")
-    return _joined(document, buffer, pieces, materials)
+        raise InputError(f"{path}: it has no triangles")
+    return _joined(file, pieces, materials)
 
 
 def _joined(
-    document: dict[str, Any],
-    buffer: bytes,
+    file: GltfDocument,
     pieces: list[tuple[Floats, Floats, Floats, NDArray[np.int64]]],
     materials: list[int | None],
 ) -> GivenMesh:
     starts = np.cumsum([0, *(len(piece[0]) for piece in pieces)])
-    textures = {m: _texture(document, buffer, m) for m in dict.fromkeys(materials)}
     largest = max(range(len(pieces)), key=lambda i: len(pieces[i][3]))
     triangles = np.concatenate([piece[3] + start for piece, start in zip(pieces, starts, strict=False)])
     return GivenMesh(
@@ -337,7 +335,7 @@ def _joined(
         triangles.astype(np.int32),
         np.concatenate([piece[1] for piece in pieces]),
         np.concatenate([piece[2] for piece in pieces]),
-        textures[materials[largest]] if len(set(materials)) == 1 else None,
+        _texture(file, materials[largest]) if len(set(materials)) == 1 else None,
     )
 
 
@@ -353,57 +351,45 @@ def _local(node: dict[str, Any]) -> Floats:
     return place
 
 
-def _accessor(document: dict[str, Any], buffer: bytes, number: int) -> NDArray[Any]:
-    accessor = document["accessors"][number]
-    dtype, width, count = _GL_TYPES[accessor["componentType"]], _GL_WIDTHS[accessor["type"]], accessor["count"]
-    values = np.zeros((count, width), dtype=dtype)
-    if "bufferView" in accessor:
-        view = document["bufferViews"][accessor["bufferView"]]
-        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        row = np.dtype(dtype).itemsize * width
-        step = view.get("byteStride", row)
-        raw = np.frombuffer(buffer, np.uint8, (count - 1) * step + row, start) if count else np.zeros(0, np.uint8)
-        rows = np.lib.stride_tricks.as_strided(raw, (count, row), (step, 1))
-        values = np.ascontiguousarray(rows).view(dtype).reshape(count, width)
-    if accessor.get("normalized"):
-        values = values / float(np.iinfo(values.dtype).max)
-    return values
-
-
 def _primitive(
-    document: dict[str, Any], buffer: bytes, primitive: dict[str, Any], place: Floats
+    reader: AccessorReader, primitive: dict[str, Any], place: Floats
 ) -> tuple[Floats, Floats, Floats, NDArray[np.int64]]:
     attributes = primitive["attributes"]
-    points = _accessor(document, buffer, attributes["POSITION"]).astype(np.float64)
-    if not np.isfinite(points).all():
-        raise ValueError("a coordinate is not finite")
-    points = points @ place[:3, :3].T + place[:3, 3]
+    points = reader.read(attributes["POSITION"], 3) @ place[:3, :3].T + place[:3, 3]
     uv, colours = np.zeros((len(points), 2)), np.ones((len(points), 3))
     if "TEXCOORD_0" in attributes:
-        uv = _accessor(document, buffer, attributes["TEXCOORD_0"]).astype(np.float64)
+        uv = _for_each(reader.read(attributes["TEXCOORD_0"], 2), points)
     if "COLOR_0" in attributes:
-        linear = np.clip(_accessor(document, buffer, attributes["COLOR_0"])[:, :3].astype(np.float64), 0, 1)
+        width = 4 if reader.document._entry("accessors", attributes["COLOR_0"]).get("type") == "VEC4" else 3
+        linear = np.clip(_for_each(reader.read(attributes["COLOR_0"], width), points)[:, :3], 0, 1)
         colours = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     if "indices" in primitive:
-        index = _accessor(document, buffer, primitive["indices"]).astype(np.int64).reshape(-1, 3)
+        index = reader.indices(primitive["indices"], len(points))
     else:
-        index = np.arange(len(points) // 3 * 3).reshape(-1, 3)
-    if index.size and not 0 <= index.min() <= index.max() < len(points):
-        raise ValueError(f"a face names a vertex beyond the {len(points)} there are")
+        index = np.arange(len(points))
+    index = index[: len(index) // 3 * 3].reshape(-1, 3)
     if np.linalg.det(place[:3, :3]) < 0:
         index = index[:, ::-1]
     return points, uv, colours, index
 
 
-def _texture(document: dict[str, Any], buffer: bytes, material: int | None) -> NDArray[np.uint8] | None:
+def _for_each(rows: Floats, points: Floats) -> Floats:
+    """Rows, if there is one for each point."""
+    if len(rows) != len(points):
+        raise ValueError(f"{len(rows)} rows for {len(points)} points")
+    return rows
+
+
+def _texture(file: GltfDocument, material: int | None) -> NDArray[np.uint8] | None:
     if material is None:
         return None
-    surface = document["materials"][material].get("pbrMetallicRoughness", {})
+    surface = file._entry("materials", material).get("pbrMetallicRoughness", {})
     if "baseColorTexture" not in surface:
         return None
-    image = document["images"][document["textures"][surface["baseColorTexture"]["index"]]["source"]]
-    if "bufferView" not in image:
+    texture = file._entry("textures", surface["baseColorTexture"]["index"])
+    if "source" not in texture:
         return None
-    view = document["bufferViews"][image["bufferView"]]
-    start = view.get("byteOffset", 0)
-    return np.asarray(Image.open(io.BytesIO(buffer[start : start + view["byteLength"]])).convert("RGB"))
+    image = file._entry("images", texture["source"])
+    data = file.view(image["bufferView"]) if "bufferView" in image else file.bytes_at(image.get("uri"), "its picture")
+    with opened_picture(data, f"{file.path}, its picture") as picture:
+        return np.asarray(picture.convert("RGB"))

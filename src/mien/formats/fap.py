@@ -26,8 +26,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.core.timeline import FrameRate
 
 __all__ = ["COUNT", "FapTrack", "fap_table", "read_fap", "write_fap_track"]
@@ -115,6 +118,7 @@ def _frame_line(track: FapTrack, frame: int) -> str:
     return " ".join(str(number) for number in numbers)
 
 
+@guarded("a FAP file")
 def read_fap(path: str | Path) -> FapTrack:
     """Read a ``.fap`` file.
 
@@ -124,15 +128,15 @@ def read_fap(path: str | Path) -> FapTrack:
         If the file is missing or no FAP file, or a line does not fit (file and line are named).
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    text, _ = read_plain_text(path, "a FAP file")
     lines = iter(
         (number, line.split("#", 1)[0].split()) for number, line in enumerate(text.splitlines(), 1)
         if line.split("#", 1)[0].strip()
     )  # fmt: skip
     name, rate, frames = _header(path, lines)
+    check_size("frames", frames, path)
+    if frames > max(1000, len(text) // (2 * COUNT)):  # a mask takes two characters a parameter
+        raise InputError(f"{path}: {frames} frames promised, {len(text)} characters there: is it cut short?")
     values, masks = np.zeros((frames, COUNT), np.int64), np.zeros((frames, COUNT), np.bool_)
     visemes, expressions = np.zeros((frames, 4), np.int64), np.zeros((frames, 6), np.int64)
     for frame in range(frames):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import math
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
@@ -20,8 +19,10 @@ from mien.animation.animation import Animation, Provenance
 from mien.animation.edits.applied import AppliedEdits, Before, Lost
 from mien.animation.edits.layer_file import layer_of, plain_layer
 from mien.core.audio import Audio
+from mien.core.border import guarded
 from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import fraction_of, read_bytes
 from mien.core.timeline import MAX_FPS, FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import Utterance
@@ -51,6 +52,7 @@ def write_native(animation: Animation, path: str | Path) -> tuple[Note, ...]:
     return ()
 
 
+@guarded("an animation of mien")
 def read_native(path: str | Path) -> Animation:
     """Read an animation that `write_native` wrote.
 
@@ -64,13 +66,12 @@ def read_native(path: str | Path) -> Animation:
     --------
     >>> read_native("nowhere.json")
     Traceback (most recent call last):
-    mien.core.errors.InputError: cannot read nowhere.json: No such file or directory
+    mien.core.errors.InputError: nowhere.json: no such file
     """
     path = Path(path)
+    content = read_bytes(path, "document")
     try:
-        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
+        document = json.loads(content.decode("utf-8-sig"), parse_constant=_refuse_constant)
     except UnicodeDecodeError as problem:
         raise InputError(f"{path} is not a {FORMAT} file: it is not text in UTF-8") from problem
     except (ValueError, RecursionError) as problem:
@@ -264,8 +265,8 @@ def _animation(root: _Node) -> Animation:
 
 def _rate(node: _Node) -> FrameRate:
     try:
-        fraction = Fraction(node.text())
-    except (ValueError, ZeroDivisionError) as problem:
+        fraction = fraction_of(node.text(), "rate")
+    except InputError as problem:
         raise node.fault(f"expected a frame rate such as '25' or '30000/1001', got {node.value!r}") from problem
     if not 0 < fraction <= MAX_FPS:
         raise node.fault(f"a frame rate is above 0 and at most {MAX_FPS}, not {node.value}")

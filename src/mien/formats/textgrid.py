@@ -7,7 +7,6 @@ Source: the Praat manual, "TextGrid file formats".
 
 from __future__ import annotations
 
-import codecs
 import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -15,8 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from mien.core.border import guarded
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
+from mien.core.plain_text import read_plain_text
 from mien.core.timeline import Interval, Tier
 
 __all__ = ["read_textgrid", "write_textgrid"]
@@ -102,6 +103,7 @@ def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"'
 
 
+@guarded("a TextGrid")
 def read_textgrid(path: str | Path) -> list[Tier]:
     """Read the tiers of a TextGrid, in the order of the file.
 
@@ -124,15 +126,7 @@ def read_textgrid(path: str | Path) -> list[Tier]:
 
 
 def _tokens(path: Path) -> Iterator[str | float]:
-    try:
-        raw = path.read_bytes()
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
-    wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    try:
-        text = raw.decode("utf-16" if wide else "utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path} is not a TextGrid in UTF-8 or UTF-16; save it again from Praat as UTF-8") from problem
+    text, _ = read_plain_text(path, "a TextGrid")
     for match in _TOKEN.finditer(text):
         if match["text"] is not None:
             yield match["text"].replace('""', '"')

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from mien.core.errors import InputError
+from mien.core.plain_text import read_plain_text
 from mien.corpus.take import Take
 
 __all__ = [
@@ -75,12 +76,7 @@ def read_list(path: str | Path, what: str) -> tuple[str, ...]:
         If the file is missing, no UTF-8 text, or holds nothing.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise InputError(f"cannot read the list of {what} {path}: {problem.strerror}") from problem
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: expected a list of {what} as UTF-8 text; save it as UTF-8") from problem
+    text, _ = read_plain_text(path, f"a list of {what}")
     found = tuple(dict.fromkeys(item for line in text.splitlines() for item in line.split("#")[0].split()))
     if not found:
         raise InputError(f"{path}: expected a list of {what}, one a line; found none")

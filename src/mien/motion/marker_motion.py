@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.cleaning.normalise import best_similarity, neutral_frame
 from mien.capture.layouts import Layout, load_layout
+from mien.core.border import reading
 from mien.core.channels import ALL, ARKIT, HEAD
 from mien.core.errors import InputError
+from mien.core.limits import load_arrays
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.face.marker_sites import place_markers
 from mien.face.model import Face
@@ -83,14 +84,10 @@ class MarkerPairs:
         InputError
             If it is none, or names channels that there are not.
         """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                names = [tuple(str(name) for name in file[key]) for key in ("markers", "channels")]
-                arrays = [np.asarray(file[key], dtype=np.float64) for key in ("displacements", "weights")]
-        except (OSError, ValueError, KeyError, BadZipFile) as problem:
-            raise InputError(
-                f"{path}: expected a .npz with markers, channels, displacements and weights: {problem}"
-            ) from problem
+        with reading(path, "an .npz with markers, channels, displacements and weights"):
+            file = load_arrays(path)
+            names = [tuple(str(name) for name in file[key]) for key in ("markers", "channels")]
+            arrays = [np.asarray(file[key], dtype=np.float64) for key in ("displacements", "weights")]
         unknown = [name for name in names[1] if name not in ALL]
         if unknown:
             raise InputError(f"{path}: {', '.join(unknown[:5])} are no channels of mien")

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from io import BytesIO
@@ -30,8 +29,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays, read_member
 from mien.motion.em_pca import EMPCA
 from mien.motion.expression.expression_file import (
     RecordedExpressions,
@@ -251,16 +252,16 @@ def load_learned(path: str | Path) -> LearnedSpeech:
         If the file is missing, damaged, of another kind or of a newer version.
     """
     path = Path(path)
-    try:
+    if not path.exists():
+        raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien")
+    with reading(path, "a performer"):
         with zipfile.ZipFile(path) as archive:
-            written = archive.read("performer.json")
+            written = read_member(archive, "performer.json", path)
         content = json.loads(written)
         if content.get("format") != FORMAT or content.get("version") not in READABLE:
-            found = f"{content.get('format')} {content.get('version')}"
+            found = f"{str(content.get('format'))[:40]} {str(content.get('version'))[:40]}"
             raise InputError(f"{path}: expected {FORMAT} {VERSION}, found {found}; learn it again or update mien")
-        with np.load(path, allow_pickle=False) as file:
-            wanted = [name for name in file.files if name != "performer.json" and not name.startswith(PREFIX)]
-            arrays: Arrays = {name: file[name] for name in wanted}
+        arrays: Arrays = load_arrays(path, only=lambda name: not name.startswith(PREFIX) and name != "performer.json")
         motion = _speech_from(content, arrays)
         paper = _paper_from(content, arrays, motion.mouth_)
         return LearnedSpeech(
@@ -275,26 +276,19 @@ def load_learned(path: str | Path) -> LearnedSpeech:
             expressions_from(content["expression"], arrays) if "expression" in content else None,
             emotion_maps_from(content["emotion_maps"], arrays) if "emotion_maps" in content else None,
         )
-    except FileNotFoundError as problem:
-        raise InputError(f"{path}: no such file; a performer is made by: mien learn CORPUS -o NAME.mien") from problem
-    except (OSError, zipfile.BadZipFile, KeyError, ValueError, TypeError) as problem:
-        raise InputError(f"{path}: no performer, or damaged ({problem}); learn it again") from problem
 
 
 def _recorded_from(path: Path, written: bytes, content: Mapping[str, Any], motion: SpeechMotion) -> RecordedSpeech:
     """The graph of a file, read when it is first used."""
 
     def read() -> tuple[GraphMotion, RecordedResiduals | None]:
-        try:
-            with zipfile.ZipFile(path) as archive:
-                if archive.read("performer.json") != written:
-                    raise InputError(f"{path}: was changed after it was loaded; load it again")
-                graph = content["graph"]
-                return recorded_speech(
-                    graph, lambda name: mapped_array(path, archive, name), motion.mouth_, motion.closure_
-                )
-        except (OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, IndexError) as problem:
-            raise InputError(f"{path}: its graph is damaged or gone ({problem}); learn it again") from problem
+        with reading(path, "the graph of a performer"), zipfile.ZipFile(path) as archive:
+            if read_member(archive, "performer.json", path) != written:
+                raise InputError(f"{path}: was changed after it was loaded; load it again")
+            graph = content["graph"]
+            return recorded_speech(
+                graph, lambda name: mapped_array(path, archive, name), motion.mouth_, motion.closure_
+            )
 
     graph = content["graph"]
     return RecordedSpeech("residual_weights" in graph, tuple(graph["emotion_names"]), read)

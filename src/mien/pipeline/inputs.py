@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.utterance import Utterance
 from mien.formats.sound_files import read_audio
 from mien.motion.performer import Performer
+from mien.pipeline.text_inputs import script_of
 from mien.text.commands import CommandLibrary
 from mien.text.score import UNDIRECTED, EmotionSpan, Score
 from mien.text.script import Script
+from mien.text.spoken_text import Spelled
 
 if TYPE_CHECKING:
-    from mien.pipeline.speak import Synthesiser
+    from mien.pipeline.speak import Listener, Synthesiser
     from mien.pipeline.spoken import Spoken
 
-__all__ = ["heard", "is_timed", "read_text", "sound_of", "spoken_recording", "spoken_text"]
-
-_DOCUMENTS = (".xml", ".ssml", ".bml")
+__all__ = ["aligned", "heard", "is_timed", "sound_of", "spoken_recording", "spoken_text"]
 
 
 def spoken_text(
@@ -61,7 +60,7 @@ def spoken_text(
     from mien.pipeline.translate import translate
 
     library = _library(commands)
-    script = _script(text, library)
+    script = script_of(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
     said = speak(script, voice, seed, library, language, score, voice_emotion, synthesiser)
     return translate(said, library)
@@ -99,75 +98,51 @@ def spoken_recording(
     from mien.pipeline.translate import translate
 
     library = _library(commands)
-    if text is None or is_timed(text):
-        return Spoken(heard(audio, cast("str | Path | None", text), language, song, tiers).with_notes(*notes))
-    if tiers:
-        raise InputError("tiers are those of a TextGrid: give one as the text (--text X.TextGrid)")
-    script = _script(text if isinstance(text, Script) else _file_or_text(text), library)
+    if isinstance(text, Path) and is_timed(text):
+        return Spoken(_heard_as_given(audio, text, language, song, tiers).with_notes(*notes))
+    _refuse_tiers(tiers)
+    if text is None:
+        return Spoken(heard(audio, None, language, song).with_notes(*notes))
+    script = script_of(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = speak_over(
-        script, lambda words, said: heard(audio, words, said, song).with_notes(*notes), library, language
-    )
+    spoken = speak_over(script, _hearing(audio, song, notes), library, language)
     return translate(spoken, library)
 
 
-def read_text(text: str | Path) -> str:
-    """The text itself, or the content of the file that it names.
+def aligned(
+    audio: str | Path | Audio,
+    text: str | Path | Script,
+    language: str | Path | None = None,
+    song: bool = False,
+    tiers: Sequence[str] = (),
+) -> Utterance:
+    """Words and phones of a recording by its text, as `mien.align` gives them.
 
     Raises
     ------
     InputError
-        If it names a file that is missing or is not UTF-8 text.
-
-    Examples
-    --------
-    >>> read_text("I never said that.")
-    'I never said that.'
+        As `mien.align`.
     """
-    if not isinstance(text, (str, Path)):
-        raise InputError(f"expected a text or the path of a text file, got {type(text).__name__}")
-    path = Path(text)
-    one_word = len(str(text).split()) == 1
-    is_name = isinstance(text, Path) or (one_word and (path.suffix.lower() in (".txt", ".lab") or os.sep in str(text)))
-    try:
-        is_file = path.is_file()
-    except OSError:  # a text too long to be a file name
-        is_file = False
-    if not is_file:
-        if is_name and path.is_dir():
-            raise InputError(f"{text}: expected a text file, got a folder")
-        if is_name:
-            raise InputError(f"{text}: no such text file")
-        return str(text)
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise InputError(
-            f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}; save it as UTF-8"
-        ) from (problem)
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
+    from mien.pipeline.speak import speak_over
+
+    if isinstance(text, Path) and is_timed(text):
+        return _heard_as_given(audio, text, language, song, tiers)
+    _refuse_tiers(tiers)
+    return speak_over(script_of(text), _hearing(audio, song, ()), None, language).utterance
 
 
-def _script(text: str | Path | Script, library: CommandLibrary) -> Script:
-    from mien.text.script_reading import read_script, read_script_file
-
-    if isinstance(text, Script):
-        return text
-    if isinstance(text, Path):
-        return read_script_file(text, library)
-    if not isinstance(text, str):
-        raise InputError(f"expected a text to say, got {type(text).__name__}")
-    return read_script(text, library)
+def _refuse_tiers(tiers: Sequence[str]) -> None:
+    if tiers:
+        raise InputError("tiers are those of a TextGrid: give one as the text (--text X.TextGrid)")
 
 
-def _file_or_text(text: str | Path) -> str | Path:
-    """A script file as its path, anything else as `read_text` takes it."""
-    if isinstance(text, str) and len(text.split()) == 1 and text.lower().endswith(_DOCUMENTS):
-        return Path(text)
-    if isinstance(text, Path) and text.suffix.lower() in _DOCUMENTS:
-        return text
-    return read_text(text)
+def _hearing(audio: str | Path | Audio, song: bool, notes: tuple[Note, ...]) -> Listener:
+    """What `speak_over` aligns with."""
+
+    def listen(text: str, language: str | Path | None, spellings: Sequence[Spelled]) -> Utterance:
+        return heard(audio, text, language, song, spellings).with_notes(*notes)
+
+    return listen
 
 
 def _library(commands: str | Path | Sequence[str | Path]) -> CommandLibrary:
@@ -196,17 +171,12 @@ def is_timed(text: object) -> bool:
 
 def heard(
     audio: str | Path | Audio,
-    text: str | Path | None,
+    said: str | None,
     language: str | Path | None = None,
     song: bool = False,
-    tiers: Sequence[str] = (),
+    spellings: Sequence[Spelled] = (),
 ) -> Utterance:
     """Words and phones of a sound, with the notes on reading it."""
-    if is_timed(text):
-        return _heard_as_given(audio, Path(str(text).strip()), language, song, tiers)
-    if tiers:
-        raise InputError("tiers are those of a TextGrid: give one as the text (--text X.TextGrid)")
-    said = read_text(text) if text is not None else None
     if said is not None and not said.strip():
         raise InputError(
             "expected a text that says what is spoken, got an empty one; leave it out to have it recognised"
@@ -224,11 +194,13 @@ def heard(
         from mien.text.languages.language import ENGLISH
 
         utterance = align_song(audio, said, language=language or ENGLISH)
+        if spellings:
+            utterance = utterance.with_notes(Note("note", "<phoneme> is not followed in a song"))
     else:
         from mien.speech.align import align as force_align
         from mien.text.languages.language import ENGLISH
 
-        utterance = force_align(audio, said, language=language or ENGLISH)
+        utterance = force_align(audio, said, language=language or ENGLISH, spellings=spellings)
     if not song:
         from mien.speech.song import note_on_singing
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -26,10 +27,10 @@ from mien.text.normalisation import spoken_words
 from mien.text.parameter_curves import ParameterCurve
 from mien.text.score import UNDIRECTED, EmotionSpan, Score
 from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion, Script, Segment
-from mien.text.spoken_text import SpokenText
+from mien.text.spoken_text import Spelled, SpokenText
 from mien.text.sync_points import Moment, plain
 
-__all__ = ["Synthesiser", "place", "speak", "speak_over"]
+__all__ = ["Listener", "Synthesiser", "place", "speak", "speak_over"]
 
 _RATE = 24_000  # samples per second where nothing is said
 _STILL = 1.0  # seconds that a command without words is followed by
@@ -38,6 +39,8 @@ _EARLY = 1000.0  # ms before the sound at which a command may begin
 Result = TypeVar("Result")
 Synthesiser = Callable[..., Utterance]
 """Called as `mien.speech.synthesis.synthesise` is."""
+Listener = Callable[[str, str | Path | None, Sequence[Spelled]], Utterance]
+"""Aligns a text in a language, with pronunciations that are asked for, with a recording."""
 
 
 def speak(
@@ -84,7 +87,7 @@ def speak(
 
 def speak_over(
     script: Script,
-    align: Callable[[str, str | Path | None], Utterance],
+    align: Listener,
     library: CommandLibrary | None = None,
     language: str | Path | None = None,
 ) -> Spoken:
@@ -93,7 +96,7 @@ def speak_over(
     Parameters
     ----------
     align : callable
-        Given the text and its language, finds its words and phones in the recording.
+        Given the text, its language and the pronunciations asked for, finds words and phones in the recording.
     library : CommandLibrary, optional
     language : str, Path or None
         As for `mien.say`; goes before the language that the script names.
@@ -104,18 +107,23 @@ def speak_over(
         starts.append(len(text))
         text += segment.text
     language = language or script.language
-    utterance = align(text, language)
+    asked_for = [
+        (start + s.start, start + s.end, s.phones)
+        for start, segment in zip(starts, script.segments, strict=True)
+        for s in segment.spellings
+    ]
+    utterance = align(text, language, asked_for)
     spoken = read_words(text, language).words
     places = []
     for word in spoken:
-        number = max(n for n, start in enumerate(starts) if start <= word.start)
+        number = bisect_right(starts, word.start) - 1
         places.append(WordPlace(number, word.start - starts[number], word.end - starts[number]))
     if len(places) != len(utterance.words):
         if script.points and utterance.timing != "none":
             raise InputError("the words of the script and of the recording differ, so nothing can be placed at words")
         places = []
     asked = any(segment.silence is not None or segment.start for segment in script.segments)
-    if script.prosody or asked or any(s.voice or s.spellings for s in script.segments):
+    if script.prosody or asked or any(s.voice for s in script.segments):
         message = "pauses, prosody and voices of the script are not followed: the recording has its own"
         utterance = utterance.with_notes(Note("note", message))
     return place(script, Joined(utterance, tuple(places)), library)

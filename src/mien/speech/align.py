@@ -8,6 +8,7 @@ aligned coarsely with pruning on, cut at its pauses, and each piece is then alig
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from mien.text.languages.language_detection import note_on_language
 from mien.text.languages.reading import read_in
 from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronunciations
-from mien.text.spoken_text import SpokenWord
+from mien.text.spoken_text import Spelled, SpokenWord, with_spellings
 
 __all__ = ["align", "align_pieces", "align_words", "choices_of", "name_words", "tiers"]
 
@@ -47,7 +48,7 @@ _MOST_WORD_SECONDS = 60_000.0
 _SHORTEST_SOUND = 0.1
 
 
-def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utterance:
+def align(audio: Audio, text: str, *, language: str | Path = ENGLISH, spellings: Sequence[Spelled] = ()) -> Utterance:
     """Find when each word and phone of a text is said in a sound.
 
     Parameters
@@ -59,6 +60,8 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     language : str or Path
         BCP 47 tag: English (``"en"`` or ``"en-..."``) or one of `mien.text.languages.known_languages`; or a phone map
         of another language, ``"X.toml"``. Another language is aligned with the English acoustic model through its map.
+    spellings : sequence of (start, end, phones)
+        Characters of the text and the ARPAbet phones with which they are said. English only; elsewhere it is a note.
 
     Returns
     -------
@@ -82,6 +85,11 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
     if audio.duration < _SHORTEST_SOUND:
         raise InputError(f"a sound to align lasts at least {_SHORTEST_SOUND} s, this one {audio.duration:.3f} s")
     spoken = spoken_words(text) if other is None else read_in(other, text)
+    if other is None:
+        spoken = with_spellings(spoken, spellings)
+    elif spellings:
+        note = Note("note", f"pronunciations that are asked for are not followed in {other.name}")
+        spoken = replace(spoken, notes=(*spoken.notes, note))
     tag = str(language) if other is None else other.tag
     if audio.is_silent():
         return _silent(audio, text, tag, spoken.notes)
@@ -102,7 +110,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH) -> Utteran
 def choices_of(word: SpokenWord, language: Language | None) -> tuple[Pronunciation, ...]:
     """What the acoustic model is to look for in a word: each pronunciation that the speaker may have used."""
     if language is None:
-        return pronunciations(word.text)
+        return (word.phones,) if word.phones else pronunciations(word.text)
     return (heard_as(word.phones or (), language),)
 
 

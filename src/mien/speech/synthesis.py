@@ -21,15 +21,11 @@ from mien.text.languages.language_detection import note_on_language
 from mien.text.languages.reading import read_in
 from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronounce, pronunciations
-from mien.text.spoken_text import SpokenText
+from mien.text.spoken_text import Spelled, SpokenText, with_spellings
 
 __all__ = ["synthesise"]
 
 _STRETCH = 15.0
-
-
-Spelled = tuple[int, int, tuple[str, ...]]
-"""A stretch ``text[start:end]`` and the ARPAbet phones with which it is to be spoken."""
 
 
 def synthesise(
@@ -82,16 +78,11 @@ def synthesise(
 
 
 def _spelled(spoken: SpokenText, spellings: Sequence[Spelled], voice: Voice) -> SpokenText:
-    words, notes = list(spoken.words), list(spoken.notes)
-    for start, end, phones in spellings:
-        inside = [place for place, word in enumerate(words) if word.end > start and word.start < end]
-        written = spoken.written[start:end].strip()
-        if voice.own_pronunciation or len(inside) != 1:
-            reason = "it looks words up itself" if voice.own_pronunciation else "it is not read as one word"
-            notes.append(Note("note", f"{written!r} is not pronounced as asked by the voice {voice.name!r}: {reason}"))
-            continue
-        words[inside[0]] = replace(words[inside[0]], phones=phones)
-    return replace(spoken, words=tuple(words), notes=tuple(notes))
+    if voice.own_pronunciation:
+        message = "{!r} is not pronounced as asked by the voice " + repr(voice.name) + ": it looks words up itself"
+        notes = [Note("note", message.format(spoken.written[start:end].strip())) for start, end, _ in spellings]
+        return replace(spoken, notes=(*spoken.notes, *notes))
+    return with_spellings(spoken, spellings, f"by the voice {voice.name!r}")
 
 
 def _aligned(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:

@@ -17,7 +17,10 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
 
@@ -36,6 +39,7 @@ _STRONGEST = 63.0
 _COLUMNS = ("seconds", "expression1", "intensity1", "expression2", "intensity2")
 
 
+@guarded("a CSV of expression parameters")
 def read_expression_parameters(path: str | Path) -> tuple[EmotionSpan, ...]:
     """Read a file of expression parameters: one span for each expression that it uses, with its intensity over time.
 
@@ -45,12 +49,8 @@ def read_expression_parameters(path: str | Path) -> tuple[EmotionSpan, ...]:
         If the file is missing or a line is not written as above; the message names the line.
     """
     path = Path(path)
-    try:
-        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
-    except (UnicodeDecodeError, csv.Error) as problem:
-        raise InputError(f"{path} is not a CSV of expression parameters: {problem}") from problem
+    rows = list(csv.reader(read_plain_text(path, "expression parameters")[0].splitlines()))
+    check_size("keys", len(rows), path)
     if not rows or tuple(cell.strip().lower() for cell in rows[0]) != _COLUMNS:
         raise InputError(f"{path}, line 1: expected the headings {','.join(_COLUMNS)}")
     times: list[float] = []

@@ -13,7 +13,10 @@ from typing import ClassVar, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.border import reading
 from mien.core.errors import InputError
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.text.sync_points import Moment
 
 __all__ = [
@@ -250,12 +253,10 @@ def read_intensity(path: str | Path) -> IntensityCurve:
 
 def _read_values(path: str | Path, kind: type[Curve]) -> Curve:
     path = Path(path)
-    try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
-    except (UnicodeDecodeError, csv.Error) as problem:
-        raise InputError(f"{path} is not a CSV of two columns, seconds and {kind.what}: {problem}") from problem
+    what = f"a CSV of two columns, seconds and {kind.what}"
+    with reading(path, what):
+        lines = list(csv.reader(read_plain_text(path, what)[0].splitlines()))
+    check_size("keys", len(lines), path)
     times: list[float] = []
     values: list[float] = []
     for number, line in enumerate(lines, start=1):

@@ -31,7 +31,9 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
+from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
+from mien.core.plain_text import read_plain_text
 from mien.text.face_parameters import face_parameter
 from mien.text.parameter_curves import INTERPOLATIONS, MODES
 from mien.text.procedures import PROCEDURES
@@ -96,6 +98,7 @@ class _Statement:
     where: str
 
 
+@guarded("a file of commands")
 def read_library_file(path: str | Path) -> tuple[CommandDefinition, ...]:
     """All commands of a file.
 
@@ -104,14 +107,7 @@ def read_library_file(path: str | Path) -> tuple[CommandDefinition, ...]:
     InputError
         Naming the file and the line.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: expected UTF-8 text, got other bytes at byte {problem.start}") from problem
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    return parse_library(text, str(path))
+    return parse_library(read_plain_text(path, "commands")[0], str(path))
 
 
 def parse_library(text: str, source: str = "library") -> tuple[CommandDefinition, ...]:

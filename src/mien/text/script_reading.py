@@ -9,9 +9,12 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
-from mien.core.errors import InputError
+from mien.core.errors import InputError, Note
+from mien.core.limits import read_bytes
+from mien.core.plain_text import decode_text
 from mien.text.bml import read_bml
 from mien.text.commands import CommandLibrary, shipped_library
 from mien.text.script import Script
@@ -70,45 +73,46 @@ def read_script_file(path: str | Path, library: CommandLibrary | None = None) ->
     InputError
         As `read_script`, and if the file cannot be read.
     """
-    return read_script(script_text(path), library, str(path))
+    text, notes = script_text(path)
+    script = read_script(text, library, str(path))
+    return replace(script, notes=(*notes, *script.notes))
 
 
-def script_text(path: str | Path) -> str:
-    """The text of a script file.
+def script_text(path: str | Path) -> tuple[str, tuple[Note, ...]]:
+    """The text of a script file, and a note if it was not in Unicode.
 
     Raises
     ------
     InputError
-        If it has another suffix, is missing, or is neither UTF-8 nor what its XML declaration says.
+        If it has another suffix, is missing, or is no text in what its XML declaration says.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: a script is a file {', '.join(SUFFIXES)}, not {path.suffix or 'without a suffix'}")
-    if not path.is_file():
+    if not path.exists():
         raise InputError(f"{path}: no such script")
+    content = read_bytes(path, "text")
+    encoding = _declared(content, path)
+    if encoding is None:
+        return decode_text(content, path)
     try:
-        content = path.read_bytes()
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    encoding = _encoding(content, path)
-    try:
-        return content.decode(encoding).replace("\r\n", "\n")
-    except UnicodeDecodeError as problem:
-        name = "UTF-8" if encoding == "utf-8-sig" else encoding
-        raise InputError(f"{path}: expected {name} text, got other bytes at byte {problem.start}") from problem
+        return content.decode(encoding).replace("\r\n", "\n"), ()
+    except (UnicodeDecodeError, LookupError) as problem:
+        start = getattr(problem, "start", 0)
+        raise InputError(f"{path}: expected {encoding} text, got other bytes at byte {start}") from problem
 
 
-def _encoding(content: bytes, path: Path) -> str:
-    """UTF-8, unless a byte-order mark or an XML declaration says otherwise."""
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return "utf-16"
-    declared = re.match(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*["']([\w.-]+)["']""", content)
-    name = declared[1].decode("ascii") if declared else "utf-8"
+def _declared(content: bytes, path: Path) -> str | None:
+    """What an XML declaration says, if it is another encoding than Unicode's."""
+    declared = re.match(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]{0,200}?encoding\s*=\s*["']([\w.-]+)["']""", content)
+    if declared is None:
+        return None
+    name = declared[1].decode("ascii")
     try:
-        found = codecs.lookup(name).name
+        found = codecs.lookup(name)
     except LookupError as problem:
         raise InputError(f"{path}, line 1: the encoding {name!r} is not known; save it as UTF-8") from problem
-    return "utf-8-sig" if found == "utf-8" else found
+    return None if found.name.startswith("utf-") or not found._is_text_encoding else found.name
 
 
 def _built(events: Iterable[Event], library: CommandLibrary, source: str, collapse: bool) -> Script:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from mien.core.errors import Note
 
-__all__ = ["SpokenText", "SpokenWord"]
+__all__ = ["Spelled", "SpokenText", "SpokenWord", "with_spellings"]
+
+Spelled = tuple[int, int, tuple[str, ...]]
+"""Characters ``start`` to ``end`` of a text and the ARPAbet phones that are asked for them."""
 
 
 @dataclass(frozen=True)
@@ -48,3 +52,25 @@ class SpokenText:
     def written_for(self, first: int, last: int) -> str:
         """The written text of words ``first`` to ``last``, both included."""
         return self.written[self.words[first].start : self.words[last].end]
+
+
+def with_spellings(spoken: SpokenText, spellings: Sequence[Spelled], by: str = "") -> SpokenText:
+    """The same text with some words pronounced as asked; what cannot be followed is a note.
+
+    Parameters
+    ----------
+    spoken : SpokenText
+    spellings : sequence of (start, end, phones)
+        Characters of the written text, and their ARPAbet phones.
+    by : str
+        Who speaks, for the notes.
+    """
+    words, notes = list(spoken.words), list(spoken.notes)
+    for start, end, phones in spellings:
+        inside = [place for place, word in enumerate(words) if word.end > start and word.start < end]
+        if len(inside) != 1:
+            what = f"{spoken.written[start:end].strip()!r} is not pronounced as asked {by}".rstrip()
+            notes.append(Note("note", f"{what}: it is not read as one word"))
+            continue
+        words[inside[0]] = replace(words[inside[0]], phones=phones)
+    return replace(spoken, words=tuple(words), notes=tuple(notes))

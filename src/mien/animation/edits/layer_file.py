@@ -10,8 +10,10 @@ from typing import Any, NoReturn, TypeVar, cast
 
 from mien.animation.edits.edited_line import Line, LineWord
 from mien.animation.edits.layer import Anchor, BorderEdit, ChannelEdit, Edit, EditLayer, IntensityEdit, Place, Points
+from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.plain_text import read_plain_text
 
 __all__ = ["FORMAT", "VERSION", "layer_of", "plain_layer", "plain_line", "read_layer", "write_layer"]
 
@@ -19,6 +21,7 @@ FORMAT, VERSION = "mien-edits", 1
 Made = TypeVar("Made")
 
 
+@guarded("edits")
 def read_layer(path: str | Path) -> EditLayer:
     """Read a layer from a file.
 
@@ -31,12 +34,11 @@ def read_layer(path: str | Path) -> EditLayer:
     --------
     >>> read_layer("nowhere.json")
     Traceback (most recent call last):
-    mien.core.errors.InputError: cannot read nowhere.json: No such file or directory
+    mien.core.errors.InputError: nowhere.json: no such file
     """
+    text, _ = read_plain_text(path, f"a {FORMAT} file")
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8-sig"), parse_constant=_refuse_constant)
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
+        document = json.loads(text, parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as problem:
         raise InputError(f"{path} is not a {FORMAT} file: {problem}") from problem
     return layer_of(document, str(path))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import itertools
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -13,6 +14,8 @@ from typing import Any
 
 from mien.api.stimuli.framing import background_colour, check_crop
 from mien.core.errors import InputError, unknown_name
+from mien.core.limits import check_size
+from mien.core.plain_text import read_plain_text
 from mien.text.effort_spans import parse_effort
 
 __all__ = ["COLUMNS", "Stimulus", "read_design"]
@@ -123,12 +126,7 @@ def read_design(path: str | Path) -> tuple[Stimulus, ...]:
 
 def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The names of the columns, and each row that is not empty with the line it ends on."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: expected a table in UTF-8 ({problem}); spreadsheets call it 'CSV UTF-8'") from None
+    text, _ = read_plain_text(path, "a table")
     first = text.partition("\n")[0]
     delimiter = "\t" if path.suffix.lower() == ".tsv" else ";" if ";" in first and "," not in first else ","
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
@@ -136,6 +134,7 @@ def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         rows = [(reader.line_num, row) for row in reader]
     except csv.Error as problem:
         raise InputError(f"{path}, line {reader.line_num}: expected a table ({problem})") from problem
+    check_size("rows", len(rows), path)
     header = [name.strip() for name in rows[0][1]] if rows else []
     return header, [(line, row) for line, row in rows[1:] if any(cell.strip() for cell in row)]
 
@@ -150,6 +149,7 @@ def _crossed(header: Sequence[str], row: Sequence[str], where: str, before: int)
     if "sentence" not in given:
         raise InputError(f"{where}: the sentence is empty")
     levels = {name: [level.strip() for level in value.split("|")] for name, value in given.items()}
+    check_size("stimuli", math.prod(map(len, levels.values())), where)
     crossed = list(itertools.product(*levels.values()))
     for number, values in enumerate(crossed, start=1):
         cell = dict(zip(levels, values, strict=True))

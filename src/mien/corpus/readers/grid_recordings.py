@@ -11,13 +11,15 @@ import json
 import re
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 
 from mien.capture.layouts import load_layout
 from mien.capture.tracker import tracker_python
+from mien.core.border import reading
 from mien.core.errors import InputError
+from mien.core.limits import load_arrays
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -51,8 +53,7 @@ def _find(source: Path) -> list[Found]:
         tracker_python()
         return found_by_suffix(source, _VIDEO)
     beside = Beside(arrays.parent)
-    with _opened(arrays) as takes:
-        names = sorted(takes.files)
+    names = sorted(_names(arrays))
     here = [(name, arrays.parent / name) for name in names]
     # Path(name + ".x"): the files that share the name of an array, wherever they lie
     return [
@@ -80,8 +81,7 @@ def _read_arrays(found: Found, recipe: Recipe) -> Raw:
         raise InputError(
             f"{path.parent / 'meta.json'}: landmark_ids, position_scale or fps cannot be used ({problem})"
         ) from problem
-    with _opened(path) as takes:
-        counts = _array(path, takes, found.name)
+    counts = _array(path, found.name)
     if counts.shape[1:] != (len(names), 3) or not len(counts):
         raise InputError(f"{path}, {found.name}: expected shape (frames, {len(names)}, 3), got {counts.shape}")
     positions = np.where(counts == _LOST, np.nan, counts / scale)
@@ -99,18 +99,17 @@ def _about(path: Path) -> dict[str, Any]:
     return content
 
 
-def _opened(path: Path) -> Any:
-    try:
-        return np.load(path, allow_pickle=False)
-    except (OSError, ValueError, BadZipFile) as problem:
-        raise InputError(f"{path}: cannot be read as NPZ ({problem}): is it cut short?") from problem
+def _names(path: Path) -> list[str]:
+    """The takes of a file, not yet read."""
+    with reading(path, "takes in NPZ"), ZipFile(path) as archive:
+        return [name.removesuffix(".npy") for name in archive.namelist()]
 
 
-def _array(path: Path, takes: Any, name: str) -> Any:
-    try:
-        return takes[name]
-    except (OSError, ValueError, KeyError, BadZipFile) as problem:
-        raise InputError(f"{path}: no array {name!r} in it, or a damaged one ({problem})") from problem
+def _array(path: Path, name: str) -> Any:
+    takes = load_arrays(path, only=lambda member: member == name)
+    if name not in takes:
+        raise InputError(f"{path}: no array {name!r} in it")
+    return takes[name]
 
 
 READER = Reader("grid", "the GRID corpus (markers.npz with meta.json, or its .mpg video)", _recognises, _find, _read)

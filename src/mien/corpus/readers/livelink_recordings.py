@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import Layout, load_layout
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError
-from mien.core.plain_text import decode_text
+from mien.core.plain_text import first_line
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -34,12 +34,7 @@ Floats = NDArray[np.float64]
 def _is_livelink(path: Path) -> bool:
     if path.suffix.lower() != ".csv":
         return False
-    with path.open("rb") as file:
-        head = file.read(65536)
-    try:
-        line = decode_text(head[: len(head) // 4 * 4], path)[0].split("\n", 1)[0].lower()
-    except InputError:
-        return False
+    line = first_line(path).lower()
     return line.startswith(COLUMNS[0].lower()) and "jawopen" in line
 
 

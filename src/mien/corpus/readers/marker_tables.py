@@ -13,18 +13,19 @@ import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.core.limits import load_arrays
+from mien.core.plain_text import first_line, read_plain_text
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 from mien.corpus.readers.recording_files import found_by_suffix, listed
 from mien.corpus.recipes import Recipe
-from mien.corpus.transcripts import decoded
 from mien.formats.sound_files import read_audio
 
 __all__ = ["READER"]
@@ -36,15 +37,13 @@ _IRREGULAR = 0.2  # of a frame: a step in time that differs by more is not one f
 def _is_track(path: Path) -> bool:
     if path.suffix.lower() == ".npz":
         try:
-            with np.load(path, allow_pickle=False) as file:
-                return {"markers", "names"} <= set(file.files)
-        except (OSError, ValueError, BadZipFile):
+            with ZipFile(path) as archive:
+                return {"markers.npy", "names.npy"} <= set(archive.namelist())
+        except (OSError, ValueError, BadZipFile, NotImplementedError):
             return False
     if path.suffix.lower() != ".csv":
         return False
-    with path.open("rb") as file:
-        head = decoded(file.readline(65536), path)[0]
-    return bool(_triples(head.strip().split(",")))
+    return bool(_triples(first_line(path).split(",")))
 
 
 def _find(source: Path) -> list[Found]:
@@ -72,15 +71,13 @@ Content = tuple[Sequence[str], NDArray[np.float64], FrameRate | None, str]
 
 
 def _read_npz(path: Path) -> Content:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            names = [str(name) for name in file["names"]]
-            positions = np.asarray(file["markers"], dtype=np.float64)
-            units = str(file["units"]) if "units" in file else ""
-            rate = _npz_rate(path, file)
-    except (OSError, ValueError, KeyError, BadZipFile) as problem:
-        raise InputError(f"{path}: expected arrays 'markers' and 'names' ({problem}): is it cut short?") from problem
-    return names, positions, rate, units
+    file = load_arrays(path)
+    if not {"markers", "names"} <= set(file):
+        raise InputError(f"{path}: expected arrays 'markers' and 'names', got {', '.join(file)[:80]}")
+    names = [str(name) for name in np.atleast_1d(file["names"])]
+    positions = np.asarray(file["markers"], dtype=np.float64)
+    units = str(file["units"]) if "units" in file else ""
+    return names, positions, _npz_rate(path, file), units
 
 
 def _npz_rate(path: Path, file: Mapping[str, NDArray[np.generic]]) -> FrameRate | None:
@@ -107,7 +104,7 @@ def _triples(header: Sequence[str]) -> dict[str, dict[str, int]]:
 
 
 def _read_csv(path: Path) -> Content:
-    text, _ = decoded(path.read_bytes(), path)
+    text, _ = read_plain_text(path, "a table of markers")
     rows = [row for row in csv.reader(text.splitlines()) if row]
     table = _triples(rows[0])
     places = [[axes[axis] for axis in "xyz"] for axes in table.values()]

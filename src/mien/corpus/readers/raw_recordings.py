@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.border import reading
 from mien.core.errors import Note
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.recipes import Recipe
@@ -79,8 +80,8 @@ class Reader:
         Whether a folder or file is of this kind; looks at names and first lines only.
     find : callable
         The recordings in a source, in order of their names.
-    read : callable
-        One recording; raises InputError in one line that names file and frame.
+    reading : callable
+        One recording, as `read` gives it.
     needs : callable, optional
         Raises MissingPartError early if a part for this reader is not installed.
     """
@@ -89,5 +90,16 @@ class Reader:
     about: str
     recognises: Callable[[Path], bool]
     find: Callable[[Path], list[Found]]
-    read: Callable[[Found, Recipe], Raw]
+    reading: Callable[[Found, Recipe], Raw]
     needs: Callable[[], None] = lambda: None
+
+    def read(self, found: Found, recipe: Recipe) -> Raw:
+        """One recording.
+
+        Raises
+        ------
+        InputError
+            In one line that names the file, and the frame where there is one.
+        """
+        with reading(found.motion, f"a recording ({self.name})"):
+            return self.reading(found, recipe)

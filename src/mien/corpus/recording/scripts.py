@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 
 from mien.core.errors import InputError, unknown_name
-from mien.corpus.transcripts import decoded
+from mien.core.plain_text import read_plain_text
 
 __all__ = ["LANGUAGES", "Line", "read_script"]
 
@@ -65,10 +65,7 @@ def read_script(language: str = "en", path: str | Path | None = None) -> list[Li
         file = Path(str(resources.files("mien") / "assets" / "scripts" / f"{LANGUAGES[language]}.txt"))
     else:
         file = Path(path)
-    try:
-        content, _ = decoded(file.read_bytes(), file)
-    except OSError as problem:
-        raise InputError(f"{file}: cannot be read as a script ({problem.strerror}); give a text file") from problem
+    content, _ = read_plain_text(file, "sentences to read")
     sentences = [text for row in content.splitlines() if (text := " ".join(row.split())) and not text.startswith("#")]
     if not sentences:
         raise InputError(f"{file}: expected sentences to read, one a line; the file holds none")

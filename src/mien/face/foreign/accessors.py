@@ -6,20 +6,20 @@ KHR_mesh_quantization; EXT_meshopt_compression (decoded by `mien.face.foreign.me
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.core.limits import check_size
 from mien.face.foreign.gltf_document import GltfDocument
 
 __all__ = ["AccessorReader"]
 
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-_MOST = 64_000_000
-"""Numbers in one accessor from which on it is taken for a damaged file."""
 _MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
@@ -29,6 +29,13 @@ class AccessorReader:
     def __init__(self, document: GltfDocument) -> None:
         self.document = document
         self._views: dict[int, bytes] = {}
+        self._decoded = 0
+
+    @cached_property
+    def _longest(self) -> int:
+        """Elements of the longest accessor that has bytes of its own in the file: no other is longer in earnest."""
+        counts = [facts.get("count") for facts in self.document.list_of("accessors") if "bufferView" in facts]
+        return max([count for count in counts if isinstance(count, int)], default=0)
 
     def read(self, number: object, width: int) -> NDArray[np.float64]:
         """An accessor as float64, shape (count, width); normalised integers come in 0..1 or -1..1.
@@ -78,9 +85,14 @@ class AccessorReader:
         count = facts.get("count")
         if kind is None or width is None or not isinstance(count, int) or isinstance(count, bool) or count < 0:
             raise InputError(f"{path}: accessor {number} has no known type and count")
-        if count * width > _MOST:
-            raise InputError(f"{path}: accessor {number} would have {count} elements; that is more than mien takes")
-        values = np.zeros((count, width), dtype=kind)
+        check_size("numbers", count * width, f"{path}, accessor {number}")
+        self._decoded += count * width
+        check_size("numbers", self._decoded, f"{path}, accessors together")
+        if "bufferView" not in facts and count > self._longest:
+            raise InputError(
+                f"{path}: accessor {number} has {count} elements and no bytes, others {self._longest} at most"
+            )
+        values = np.zeros((count if "bufferView" not in facts else 0, width), dtype=kind)
         if "bufferView" in facts and count:
             values = self._strided(facts["bufferView"], facts.get("byteOffset", 0), kind, width, count, number)
         if "sparse" in facts:
@@ -130,6 +142,7 @@ class AccessorReader:
             from mien.face.foreign.meshopt import decoded
 
             try:
+                check_size("unpacked", packed["count"] * packed["byteStride"], f"{self.document.path}, view {number}")
                 data = self.document.span(packed, f"compressed buffer view {number}")
                 self._views[number] = decoded(
                     data, packed["mode"], packed["count"], packed["byteStride"], packed.get("filter", "NONE")

@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from mien.core.border import guarded
 from mien.core.errors import InputError
+from mien.core.limits import file_beside, read_bytes
 
 __all__ = ["BIN", "JSON", "SUFFIXES", "GltfDocument", "is_gltf", "read_gltf"]
 
@@ -119,15 +121,10 @@ class GltfDocument:
     def _file(self, uri: str, what: str) -> bytes:
         if "://" in uri:
             raise InputError(f"{self.path}: {what} is at {uri[:60]}; mien reads files beside it only")
-        folder = self.path.resolve().parent
         try:
-            place = (folder / unquote(uri)).resolve()
-            if not place.is_relative_to(folder):
-                raise InputError(f"{self.path}: {what} is {uri[:60]!r}, outside its folder; put it beside the file")
-            return place.read_bytes()
-        except (OSError, ValueError) as problem:
-            told = getattr(problem, "strerror", None) or problem
-            raise InputError(f"{self.path}: {what} is in {uri[:60]!r}, which cannot be read: {told}") from problem
+            return read_bytes(file_beside(self.path, unquote(uri)))
+        except InputError as problem:
+            raise InputError(f"{self.path}: {what} is in {uri[:60]!r}: {problem}") from problem
 
     def _entry(self, name: str, number: object) -> dict[str, Any]:
         entries = self.list_of(name)
@@ -148,6 +145,7 @@ class GltfDocument:
             waiting.extend(reversed(self.list_of("nodes")[node].get("children", [])))
 
 
+@guarded("a glTF file")
 def read_gltf(path: str | Path) -> GltfDocument:
     """Read a ``.glb``, ``.vrm`` or ``.gltf`` file.
 
@@ -157,10 +155,7 @@ def read_gltf(path: str | Path) -> GltfDocument:
         If it cannot be read, is cut off, is not glTF 2, or its nodes and meshes do not hold together.
     """
     path = Path(path)
-    try:
-        content = path.read_bytes()
-    except OSError as problem:
-        raise InputError(f"cannot read {path}: {problem.strerror}") from problem
+    content = read_bytes(path)
     if content[:4] == b"glTF":
         document = _binary(path, content)
     elif path.suffix.lower() == ".gltf" or content.lstrip()[:1] == b"{":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.core.pictures import opened_picture
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.model import Material
 
@@ -103,8 +103,6 @@ class SurfaceReader:
 
     def _picture(self, given: dict[str, Any], name: str) -> NDArray[np.uint8] | None:
         """The pixels (height, width, 4) of a texture; None with a fault where it cannot be read."""
-        from PIL import Image
-
         try:
             texture = self.document._entry("textures", given.get("index"))
             extensions = texture.get("extensions") or {}
@@ -117,10 +115,10 @@ class SurfaceReader:
                 data = self.document.bytes_at(image["uri"], f"picture {source}")
             else:
                 data = self.document.view(image.get("bufferView", -1))
-            with Image.open(io.BytesIO(data)) as opened:
+            with opened_picture(data, f"picture {source}") as opened:
                 opened.thumbnail((_LARGEST, _LARGEST))
                 return np.array(opened.convert("RGBA"), dtype=np.uint8)
-        except (InputError, OSError, ValueError, SyntaxError, Image.DecompressionBombError) as problem:
+        except InputError as problem:
             self.faults.append(f"material {name!r} is drawn in one colour: {problem}")
             return None
 

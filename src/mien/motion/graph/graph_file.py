@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.limits import array_header, array_of
 from mien.motion.graph.compact import FEATURE_STEP, packed, unpacked
 from mien.motion.graph.costs import SearchWeights
 from mien.motion.graph.graph import AnimeGraph
@@ -169,11 +170,8 @@ def mapped_array(path: Path, archive: zipfile.ZipFile, name: str) -> NDArray[Any
     entry = archive.getinfo(name + ".npy")
     with archive.open(entry) as file:
         if entry.compress_type != zipfile.ZIP_STORED:
-            return np.asarray(np.lib.format.read_array(file, allow_pickle=False))
-        version = np.lib.format.read_magic(file)
-        head = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, fortran, kind = head(file)
-        inside = file.tell()
+            return array_of(file, entry.file_size, f"{path}, {name}")
+        shape, fortran, kind, inside = array_header(file, entry.file_size, f"{path}, {name}")
     if kind.hasobject or not np.prod(shape):
         return np.zeros(shape, dtype=kind)
     with path.open("rb") as raw:  # the entry's own head: 30 bytes, its name, and what else it says
