@@ -96,8 +96,8 @@ def test_bad_input_gets_one_line_and_exit_code_2(
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_a_text_that_is_not_utf8_is_refused(tmp_path: Path, sound: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "line.txt").write_bytes(b"caf\xe9")
+def test_a_text_that_is_no_text_is_refused(tmp_path: Path, sound: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "line.txt").write_bytes(b"caf\xe9\x01")
     line = refused(capsys, "animate", str(sound), "--text", str(tmp_path / "line.txt"), "-o", str(tmp_path / "a.csv"))
     assert "UTF-8" in line
     assert "byte 3" in line

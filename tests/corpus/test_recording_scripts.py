@@ -71,8 +71,8 @@ def test_own_script(tmp_path: Path) -> None:
     [
         (b"# nothing\n", "expected sentences to read, one a line"),
         (b"One.\nTwo.\nOne.\n", "sentences 1 and 3 are the same ('One.')"),
-        (b"\x89PNG\x00\x00", "expected text, byte 4 is 0"),
-        (None, "cannot be read as a script (No such file"),
+        (b"\x89PNG\x00\x00", "expected sentences to read in UTF-8"),
+        (None, "no such file"),
     ],
 )
 def test_bad_scripts_are_refused(tmp_path: Path, content: bytes | None, message: str) -> None:

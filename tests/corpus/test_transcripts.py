@@ -16,7 +16,7 @@ def test_plain_text_in_any_encoding(tmp_path: Path) -> None:
     path.write_bytes("caf\u00e9 \u2013 now".encode("cp1252"))
     transcript = read_transcript(path)
     assert transcript.text == "café – now"
-    assert "a.txt is not UTF-8 (byte 3): read as Windows-1252" in transcript.notes[0].message
+    assert "a.txt is not in UTF-8: read as Windows-1252" in transcript.notes[0].message
     path.write_text("bin blue", encoding="utf-16")
     assert read_transcript(path).text == "bin blue"
 
@@ -49,7 +49,7 @@ def test_a_textgrid_gives_words_and_phones_without_stress(tmp_path: Path) -> Non
     ("name", "content", "message"),
     [
         ("a.txt", b" \n", "the file has no words"),
-        ("a.txt", b"a\x00b", "byte 1 is 0"),
+        ("a.txt", b"a\x00b", "character 1 is 0"),
         ("a.align", b"0 100 bin\n100 blue\n", "line 2: expected 'start end word'"),
         ("a.align", b"200 100 bin\n", "line 1: interval 'bin' must run forward"),
         ("a.lab", b"0 100 b\n100 200 ih1\n200 300 n\n", "labels are phones, not words"),

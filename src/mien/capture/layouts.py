@@ -19,7 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.cleaning.groups import MarkerGroups
+from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
+from mien.core.plain_text import read_plain_text
 
 __all__ = ["GROUPS", "Layout", "find_layout", "known_layouts", "load_layout"]
 
@@ -127,11 +129,8 @@ def load_layout(name: str) -> Layout:
         path = _folder() / f"{name}.toml"
     else:
         raise unknown_name("marker layout", name, known_layouts())
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise InputError(f"{path}: cannot be read as a marker layout ({problem})") from problem
-    return _parsed(path, content)
+    with reading(path, "a marker layout"):
+        return _parsed(path, tomllib.loads(read_plain_text(path, "a marker layout")[0]))
 
 
 def _parsed(path: Path, content: Mapping[str, Any]) -> Layout:

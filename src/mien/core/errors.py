@@ -32,8 +32,24 @@ __all__ = [
 ]
 
 
+_LONGEST = 1200
+"""Characters of a message; what was given may be a megabyte, and a message that quotes it is cut in the middle."""
+
+
 class MienError(Exception):
-    """Root of all errors raised on purpose by mien."""
+    """Root of all errors raised on purpose by mien.
+
+    Examples
+    --------
+    >>> len(str(MienError("x" * 5000)))
+    1200
+    """
+
+    def __init__(self, message: str = "") -> None:
+        message = " ".join(message.splitlines()) if len(message.splitlines()) > 1 else message
+        if len(message) > _LONGEST:
+            message = message[: _LONGEST * 2 // 3] + " ... " + message[5 - _LONGEST // 3 :]
+        super().__init__(message)
 
 
 class InputError(MienError):

@@ -88,6 +88,8 @@ def decode_text(content: bytes, where: object, what: str = "text") -> tuple[str,
             ) from problem
         text = content.decode("cp1252")
         notes = (Note("note", f"{_name(where)} is not in UTF-8: read as Windows-1252 (Western European)"),)
+    if "\0" in text:
+        raise InputError(f"{where}: expected {what}, character {text.index(chr(0))} is 0: is it of another kind?")
     return text.replace("\r\n", "\n").replace("\r", "\n"), notes
 
 

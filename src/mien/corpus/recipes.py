@@ -11,7 +11,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
+from mien.core.plain_text import read_plain_text
 
 __all__ = ["FIELDS", "METHODS", "REFERENCES", "UNITS", "Recipe", "known_recipes", "load_recipe"]
 
@@ -180,10 +182,11 @@ def load_recipe(name: str) -> Recipe:
         path = _folder() / f"{name}.toml"
     else:
         raise unknown_name("recipe", name, known_recipes())
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise InputError(f"{path}: cannot be read as a recipe ({problem})") from problem
+    with reading(path, "a recipe"):
+        return _recipe(path, tomllib.loads(read_plain_text(path, "a recipe")[0]))
+
+
+def _recipe(path: Path, content: Mapping[str, Any]) -> Recipe:
     known = {f.name: type(f.default) for f in fields(Recipe) if isinstance(f.default, (str, bool, float))}
     for key in content:
         if key not in {f.name for f in fields(Recipe)}:

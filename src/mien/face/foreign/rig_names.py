@@ -15,9 +15,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from mien.core.border import guarded
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError, unknown_name
 from mien.core.facs import au_channels, is_unit
+from mien.core.plain_text import read_plain_text
 
 __all__ = [
     "Convention",
@@ -182,6 +184,7 @@ def _sided(recipe: Recipe, side: str, path: Path) -> Recipe:
     return found
 
 
+@guarded("a table of names")
 def own_names(path: str | Path) -> OwnNames:
     """Read a table of the user's own.
 
@@ -191,10 +194,9 @@ def own_names(path: str | Path) -> OwnNames:
         If it cannot be read, or names a channel, unit, node or side that there is not.
     """
     path = Path(path)
+    text, _ = read_plain_text(path, "a table of names")
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as problem:
-        raise InputError(f"cannot read the names in {path}: {problem.strerror}") from problem
+        content = tomllib.loads(text)
     except ValueError as problem:
         raise InputError(f"{path} is not a table of names in TOML: {problem}") from problem
     allowed = {"targets", "nodes", "eyes", "faces"}

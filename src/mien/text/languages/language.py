@@ -11,7 +11,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
+from mien.core.plain_text import read_plain_text
 from mien.core.utterance import PAUSE
 from mien.text.phones import phone_table
 
@@ -158,12 +160,12 @@ def _shipped(tag: str) -> Language:
     return _load(Path(str(files("mien") / "assets" / "languages" / f"{tag}.toml")))
 
 
+@guarded("a phone map of a language")
 def _load(path: Path) -> Language:
+    text, _ = read_plain_text(path, "a phone map")
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise InputError(f"cannot read the language {path}: {problem.strerror}") from problem
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as problem:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
         raise InputError(f"the language {path} is not TOML: {problem}") from problem
     for name in ("tag", "name", "reader"):
         if not isinstance(table.get(name), str) or not table[name]:
