@@ -28,14 +28,14 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
 def test_damaged_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "broken.npz"
     path.write_bytes(b"PK not a face")
-    with pytest.raises(InputError, match="not an archive of arrays|cannot be read as a face of mien"):
+    with pytest.raises(InputError, match=r"not an archive of arrays|cannot be read as a face of mien"):
         load_face(str(path))
 
 
 def test_other_npz_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "other.npz"
     np.savez(path, numbers=np.arange(3))
-    with pytest.raises(InputError, match="not an archive of arrays|cannot be read as a face of mien"):
+    with pytest.raises(InputError, match=r"not an archive of arrays|cannot be read as a face of mien"):
         load_face(path)
 
 

@@ -176,7 +176,7 @@ def test_a_command_without_words_makes_silence() -> None:
 
 def test_direction_over_a_recording() -> None:
     script = read_script('That is <pause seconds="1"/> <HeadNod/> true.')
-    said = speak_over(script, lambda text, language: toy_speech(text))
+    said = speak_over(script, lambda text, language, spellings: toy_speech(text))
     assert said.utterance.text.split() == ["That", "is", "true."]
     assert [c.given["at"] for c in said.commands] == ["700"]
     assert "the recording has its own" in said.utterance.notes[0].message
@@ -235,3 +235,16 @@ def test_an_emotion_over_silence_lasts_as_long_as_its_pauses() -> None:
     spoken = speak(read_script(text))
     assert spoken.utterance.duration == pytest.approx(2.5)
     assert [(span.name, span.start, span.end) for span in spoken.emotions] == [("sad", 0.5, 2.4)]
+
+
+def test_pronunciations_reach_the_recording() -> None:
+    script = read_script('My <phoneme alphabet="x-arpabet" ph="V AO S">voice</phoneme>. <break time="1s"/> '
+                         '<phoneme alphabet="x-arpabet" ph="T R UW">true</phoneme>')  # fmt: skip
+    asked = []
+
+    def listen(text, language, spellings):
+        asked.extend((text[start:end], phones) for start, end, phones in spellings)
+        return toy_speech(text)
+
+    speak_over(script, listen)
+    assert asked == [("voice", ("V", "AO", "S")), ("true", ("T", "R", "UW"))]

@@ -371,7 +371,9 @@ def _learned(folder: Path) -> list[bytes]:
 
 
 def _performers(folder: Path) -> list[Path]:
-    """The default performer without its large arrays: those are read when they are used."""
+    """The default performer without its graph, which is read when it is used."""
+    from mien.motion.performer_file import PREFIX
+
     with (
         zipfile.ZipFile(ASSETS / "performers" / "default.mien") as whole,
         zipfile.ZipFile(folder / "a.mien", "w") as small,

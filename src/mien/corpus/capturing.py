@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +26,7 @@ from mien.capture.person import Person, fit_person
 from mien.capture.person_file import arrays_of, person_from, stamp_of
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays
 from mien.corpus.recordings import Corpus
 from mien.corpus.workers import each
 
@@ -141,15 +141,14 @@ def people_of(corpus: Corpus) -> dict[str, Person]:
     if not path.exists():
         return {}
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        arrays = load_arrays(path)
         speakers = [str(name) for name in arrays.pop("speakers")]
         own: list[dict[str, object]] = [{} for _ in speakers]
         for name, array in arrays.items():
             number, _, key = name.partition("/")
             own[int(number)][key] = array
         return {speaker: person_from(found) for speaker, found in zip(speakers, own, strict=True)}
-    except (OSError, ValueError, KeyError, IndexError, BadZipFile) as problem:
+    except (InputError, ValueError, KeyError, IndexError, TypeError) as problem:
         raise InputError(f"{path}: damaged ({problem}); delete it and run 'mien corpus upgrade'") from problem
 
 

@@ -31,8 +31,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.border import reading
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.limits import load_arrays
 from mien.core.timeline import FrameRate, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.take import Take
