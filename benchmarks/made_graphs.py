@@ -28,22 +28,22 @@ from mien.motion.graph.motion_code import MotionCode
 from mien.motion.graph.query import SpokenPhones, spoken_phones
 from mien.motion.graph.sound import SOUND_RATE, heard_features
 from mien.motion.graph.standing_in import stand_ins
-from mien.motion.mouth.recorded_mouths import only_mouth
+from mien.motion.mouth.mouth_space import mouth_space_of
 from mien.text.pronunciation import dictionary_entries
 
 NEIGHBOURS = 1000
 FEATURE_NOISE = 0.3
 """Standard deviations of a feature (features are normalised to one)."""
 POSE_NOISE = 0.3
-"""Millimetres over the markers."""
+"""Millimetres over the points of the mouth."""
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
 
 
 def recorded_chains(folder: str | Path) -> tuple[list[RecordedChain], int]:
-    """Every take of a corpus as the graph takes it, and how many markers it has."""
-    corpus = Corpus(folder)
-    takes = [only_mouth(take) for take in corpus]
-    flat = [take.markers.positions.reshape(len(take.markers), -1) for take in takes]
+    """Every take of a corpus as the graph takes it, and how many points are behind a pose."""
+    takes = list(Corpus(folder))
+    space = mouth_space_of(takes)
+    flat = [space.rows_of(take) for take in takes]
     seen = np.concatenate([rows[np.isfinite(rows).all(axis=1)] for rows in flat])
     code = MotionCode().fit(seen)
     chains = [
@@ -58,7 +58,7 @@ def recorded_chains(folder: str | Path) -> tuple[list[RecordedChain], int]:
         )
         for take, rows in zip(takes, flat, strict=True)
     ]
-    return chains, len(takes[0].markers.names)
+    return chains, space.points
 
 
 @dataclass(frozen=True)

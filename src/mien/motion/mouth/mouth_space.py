@@ -196,7 +196,7 @@ class ChannelSpace:
     def rows_of(self, take: Take) -> Floats:
         """Captured weights, times the root."""
         if take.channels is None:
-            raise InputError(f"take {take.name!r} has no captured channels: run mien corpus capture on its corpus")
+            raise InputError(f"take {take.name!r} has no captured channels: run mien corpus upgrade on its corpus")
         rows = self.rows_from(take.channels.select(self.names).values)
         seen = take.markers.positions[: len(rows), list(mouth_markers(take.layout, take.markers.names))]
         rows[: len(seen)][~np.isfinite(seen).all(axis=(1, 2))] = np.nan  # bridged in the capture: not learned from
@@ -264,7 +264,7 @@ def mouth_space_of(takes: Sequence[Take], learn_in: str | None = None) -> Marker
         raise InputError("no take to learn from")
     bare = next((take for take in takes if take.channels is None), None)
     if learn_in == "channels" and bare is not None:
-        raise InputError(f"take {bare.name!r} has no captured channels: run mien corpus capture on its corpus")
+        raise InputError(f"take {bare.name!r} has no captured channels: run mien corpus upgrade on its corpus")
     if learn_in != "markers" and bare is None:
         return ChannelSpace.of(_moving(takes))
     first = takes[0]
