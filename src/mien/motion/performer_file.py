@@ -225,7 +225,7 @@ def _speech_arrays(motion: SpeechMotion) -> Arrays:
                 arrays[f"speech/correction/{number}/{depth}/bias"] = bias.astype(np.float32)
     if motion.spread_ is not None:
         spread = motion.spread_
-        arrays["speech/spread"] = np.stack([spread.mean_, spread.gain_, spread.sharpness_])
+        arrays["speech/spread"] = np.stack([spread.centre_, spread.gain_, spread.sharpness_])
     arrays["speech/closing"] = motion.closure_.closing_
     for phone, offsets in motion.edits_.items():
         arrays[f"speech/edits/{phone}"] = offsets

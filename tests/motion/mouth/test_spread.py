@@ -22,6 +22,12 @@ def test_size_and_speed_are_given_back():
     speeds = [np.sqrt((np.diff(curve, axis=0) ** 2).mean(axis=0)) for curve in (made, wanted)]
     assert speeds[0] == pytest.approx(speeds[1], rel=0.1)
     assert made.mean(axis=0) == pytest.approx(flattened(at).mean(axis=0), abs=0.05)  # the mean stays
+    rest = np.array([1.0, 2.0])
+    about_rest = RecordedSpread().fit(
+        [recorded(t) for t in pieces], [flattened(instants_about(t)) for t in pieces], rest
+    )
+    assert about_rest.gain_.tolist() == spread.gain_.tolist()
+    assert about_rest.of(lambda times: np.tile(rest, (len(times), 1)), at) == pytest.approx(np.tile(rest, (len(at), 1)))
 
 
 def test_what_is_not_known_is_not_made_larger_without_bounds():

@@ -75,6 +75,9 @@ class MouthSpace(Protocol):
     def emphasis(self) -> Floats:
         """How much each column counts in learning, shape (columns,)."""
 
+    def rest(self) -> Floats | None:
+        """The row of a mouth at rest; None where it is not known."""
+
     def parted(self, rows: Floats, opening_way: Floats) -> Floats:
         """Rows whose lips do not pass through each other; ``opening_way``: change of a row per mm that lips part."""
 
@@ -127,6 +130,10 @@ class MarkerSpace:
             return None
         places = self.motion_of(rows)
         return np.asarray(np.linalg.norm(places[:, self.opening[0]] - places[:, self.opening[1]], axis=1))
+
+    def rest(self) -> Floats | None:
+        """Not known."""
+        return None
 
     def emphasis(self) -> Floats:
         """The inner lips up and down count more."""
@@ -217,6 +224,10 @@ class ChannelSpace:
     def opening_of(self, rows: Floats) -> Floats:
         """Height of the inner upper lip over the lower one on the default face, mm; below 0 where they pass."""
         return np.asarray(self.gap[0] + rows @ self._opening_of_row)
+
+    def rest(self) -> Floats:
+        """No channel moves."""
+        return np.zeros(len(self.names))
 
     def emphasis(self) -> Floats:
         """All count alike: the root has the emphasis."""

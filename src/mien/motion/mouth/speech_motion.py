@@ -145,7 +145,8 @@ class SpeechMotion:
         chosen = mouths[:: -(-len(mouths) // SPREAD_TAKES)]
         recorded = [self.space_.encode(mouth.rows) for mouth in chosen]
         answered = [self.components(mouth.phones, instants_about(mouth.times)) for mouth in chosen]
-        return RecordedSpread().fit(recorded, answered)
+        rest = self.mouth_.rest()
+        return RecordedSpread().fit(recorded, answered, None if rest is None else self.space_.encode(rest[None])[0])
 
     def synthesise(self, phones: Tier, times: Floats) -> Floats:
         """The mouth in motion.

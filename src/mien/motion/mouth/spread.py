@@ -5,10 +5,11 @@ of. Toda and Tokuda 2007 ("A speech parameter generation algorithm considering g
 speech synthesis. Here each component ``c(t)`` of the answer is made to have the variance and the mean squared velocity
 of the recordings:
 
-    y(t) = m + g (c(t) - m + s (2 c(t) - c(t - d) - c(t + d)))
+    y(t) = o + g (c(t) - o + s (2 c(t) - c(t - d) - c(t + d)))
 
-g is its gain and s its sharpness, both learned; d is `APART`. Where a component is hardly predicted at all, its gain is
-held back (`MOST_GAIN`): what is not known cannot be made larger.
+g is its gain and s its sharpness, both learned; d is `APART`, o the mouth at rest where it is known (lips that are shut
+stay shut, and those that are nearly shut, as in /w/, stay nearly so), else the mean. Where a component is hardly
+predicted at all, its gain is held back (`MOST_GAIN`): what is not known cannot be made larger.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ class RecordedSpread:
 
     Attributes
     ----------
-    mean_, gain_, sharpness_ : ndarray, shape (components,)
+    centre_, gain_, sharpness_ : ndarray, shape (components,)
     """
 
-    def fit(self, recorded: Sequence[Floats], answered: Sequence[Floats]) -> Self:
+    def fit(self, recorded: Sequence[Floats], answered: Sequence[Floats], rest: Floats | None = None) -> Self:
         """Learn from pieces of recorded motion and what the model answers there.
 
         Parameters
@@ -52,11 +53,13 @@ class RecordedSpread:
             Neighbouring rows are neighbouring frames.
         answered : sequence of ndarray, shape (3 * frames, components)
             At `instants_about` the same frames.
+        rest : ndarray, shape (components,), or None
+            The mouth at rest; None takes the mean of what is answered.
         """
         before, at, after = (np.concatenate(parts) for parts in zip(*(np.split(a, 3) for a in answered), strict=True))
         bend = 2 * at - before - after
         borders = np.cumsum([len(piece) for piece in recorded])[:-1]
-        self.mean_ = at.mean(axis=0)
+        self.centre_ = at.mean(axis=0) if rest is None else rest
         wanted = np.concatenate(recorded).std(axis=0)
         wanted_speed = _speed(np.concatenate(recorded), borders)
         count = at.shape[1]
@@ -74,15 +77,16 @@ class RecordedSpread:
                     best, self.gain_[k], self.sharpness_[k] = missed, gain, sharpness
         return self
 
-    def restore(self, mean: Floats, gain: Floats, sharpness: Floats) -> Self:
+    def restore(self, centre: Floats, gain: Floats, sharpness: Floats) -> Self:
         """Take what was learned before."""
-        self.mean_, self.gain_, self.sharpness_ = mean, gain, sharpness
+        self.centre_, self.gain_, self.sharpness_ = centre, gain, sharpness
         return self
 
     def of(self, answer: Callable[[Floats], Floats], times: Floats) -> Floats:
         """What a model answers at the given times, as large and as quick as recorded, shape (frames, components)."""
         before, at, after = np.split(answer(instants_about(times)), 3)
-        return np.asarray(self.mean_ + self.gain_ * (at - self.mean_ + self.sharpness_ * (2 * at - before - after)))
+        away = at - self.centre_ + self.sharpness_ * (2 * at - before - after)
+        return np.asarray(self.centre_ + self.gain_ * away)
 
 
 def _speed(curves: Floats, borders: NDArray[np.int64]) -> Floats:
