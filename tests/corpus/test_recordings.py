@@ -10,7 +10,7 @@ import pytest
 from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
-from mien.core.tracks import MarkerTrack
+from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.recordings import Corpus, digest_of, identity_of
 from mien.corpus.take import Take
 from mien.formats.textgrid import write_textgrid
@@ -127,3 +127,13 @@ def test_a_textgrid_without_its_tiers_is_named(tmp_path: Path) -> None:
     write_textgrid((), 1.0, tmp_path / "corpus" / "textgrid" / "one.TextGrid")
     with pytest.raises(InputError, match=r"one\.TextGrid: expected the tiers words and phones"):
         corpus.take("one")
+
+
+def test_a_trackers_own_weights_in_an_older_grid_corpus_do_not_count_as_recorded(tmp_path: Path) -> None:
+    one = take()
+    weights = ChannelTrack(("jawOpen",), np.full((len(one.markers), 1), 0.5), one.markers.rate)
+    for recipe, counts in (("grid", False), ("livelink", True)):
+        corpus = Corpus.create(tmp_path / recipe, {"layout": "mpeg4-32", "recipe": recipe})
+        corpus.add(replace(one, channels=weights))
+        assert Corpus(tmp_path / recipe).has_recorded_channels("one") is counts
+        assert (Corpus(tmp_path / recipe).take("one").channels is not None) is counts
