@@ -2,6 +2,7 @@
 # make test   all tests (sets up what they need)
 # make check  format, lint, types, import contract
 # make sheets the pictures in docs/
+# make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
 # make setup-festival   Festival with its English and Finnish voices, a separate program (Debian, Ubuntu; needs root)
 
@@ -17,7 +18,7 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: setup-festival demo test check format wheel sheets page clean
+.PHONY: setup-festival demo test check format wheel sheets page fuzz clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -77,3 +78,7 @@ page: studio/node_modules/.mien-lock
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist
+
+MINUTES ?= 60
+fuzz: $(VENV)/.dev
+	$(BIN)/python -m tools.fuzz --minutes $(MINUTES)

@@ -34,6 +34,7 @@ from mien.motion.expression.expression import NEUTRAL, Expression, weights_of
 from mien.motion.maps.emotion_maps import EmotionMaps
 from mien.motion.marker_channels import MarkerChannels
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.pipeline.edited_performance import recoloured_under_edits
@@ -288,7 +289,7 @@ def _learned_way(animation: Animation, span: EmotionSpan, maps: EmotionMaps) -> 
 def _clipped(values: Floats) -> Floats:
     weights = slice(0, len(channels.WEIGHTS))
     values[:, weights] = np.clip(values[:, weights], 0.0, 1.0)
-    return values
+    return apart(values, channels.ALL)
 
 
 def _resting(take: Take) -> Floats:

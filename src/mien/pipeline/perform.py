@@ -29,6 +29,7 @@ from mien.motion.effort import articulate, mean_mouth
 from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.singing import sing
+from mien.motion.opposed_channels import apart
 from mien.motion.performer import FeelingMouth, Performer
 from mien.text.effort_spans import AS_RECORDED, effort_over
 from mien.text.parameter_curves import ParameterCurve, lay_over
@@ -127,6 +128,7 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     values = motion + felt
     values[:, _BLINK] = 1 - (1 - motion[:, _BLINK]) * (1 - np.clip(felt[:, _BLINK], 0, 1))
     values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
+    values = apart(values, channels.ALL)
     told = "the edits by hand are part of the motion now: the expression lies over them"
     return replace(
         animation,
@@ -165,13 +167,16 @@ def direct(
     """Lay the score's curves over motion; all of shape (frames, channels).
 
     What is added gives way where the lips are shut, by ``share`` as expressions do; what is set is set exactly. Lids
-    that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1].
+    that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1], and one of two opposed channels at
+    most is above zero (`mien.motion.opposed_channels`).
     """
     if not curves:
-        return values
+        return apart(values, channels.ALL)
     times = rate.times(len(values))
     values = lay_over(values, channels.ALL, curves, times, share)
     asked = lay_over(np.zeros_like(values), channels.ALL, [c for c in curves if c.mode == "add"], times)
     values[:, _LIDS] *= 1 - np.clip(asked[:, _BLINK].max(axis=1, keepdims=True), 0, 1)
     values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
-    return values
+    untouched = np.full_like(values, -1.0)
+    held = lay_over(untouched, channels.ALL, [c for c in curves if c.mode == "set"], times) != untouched
+    return apart(values, channels.ALL, held)

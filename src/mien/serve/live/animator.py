@@ -14,6 +14,7 @@ from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
 from mien.motion.expression.endless_motion import endless_expression, endless_idle
 from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
+from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
 from mien.pipeline.perform import blend
 from mien.speech.phone_stream import PhoneStream
@@ -124,7 +125,7 @@ class LiveAnimator:
         self.spoken, seal = self._mouth.frame(seconds, self.phones)
         share = 1 - seal * (1 - self._sealed_share)
         felt, alive = self._expression.next() * share, self._idle.next()
-        return np.asarray(blend(self.spoken[None], felt[None], alive[None])[0])
+        return np.asarray(apart(blend(self.spoken[None], felt[None], alive[None]), channels.ALL)[0])
 
 
 def frames_of(audio: Audio, performer: Performer, settings: LiveSettings | None = None) -> Iterator[Floats]:
