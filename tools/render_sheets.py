@@ -39,6 +39,8 @@ from mien.text.phones import phone_table
 from mien.text.score import EmotionSpan, Score
 
 JPEG_QUALITY = 86
+EFFORT_LINE, EFFORTS = "My father was five, boy!", (0.4, 1.0, 1.8)
+EFFORT_PHONES = ("M", "AY", "AA", "W", "F", "OY")
 AUTO = ("03a01Wa", "03a01Fa", "03a02Ta")
 """Voices of EmoDB that are angry, happy and sad."""
 
@@ -236,6 +238,17 @@ def _auto_shots() -> tuple[Shot, ...]:
     return tuple(shots)
 
 
+def _effort_shots() -> tuple[Shot, ...]:
+    """One sentence with little effort, as recorded and with much: the same six moments, open, round and shut."""
+    shots = []
+    for effort in EFFORTS:
+        shown = mien.say(EFFORT_LINE, effort=effort, alive="off", prosody="off")
+        said = [p for p in shown.utterance.phones if p.label in EFFORT_PHONES]
+        first = {p.label: p for p in reversed(said)}
+        shots += [Shot(f"{effort:g}: {label}", _pose(shown, first[label].middle), "face") for label in EFFORT_PHONES]
+    return tuple(shots)
+
+
 def _wander_shots() -> tuple[Shot, ...]:
     """Each emotion without speech, every second of ten."""
     model, rate = authored_expression(), FrameRate.of(25)
@@ -293,6 +306,7 @@ SHEETS: dict[str, Sheet] = {
     "closures": Sheet(_closure_shots, columns=6, width=170, height=195),
     "recolor": Sheet(_recolor_shots, columns=6, width=170, height=195),
     "auto": Sheet(_auto_shots, columns=6, width=200, height=230),
+    "effort": Sheet(_effort_shots, columns=6, width=200, height=230),
     "wander": Sheet(_wander_shots, columns=10, width=140, height=161),
     "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }

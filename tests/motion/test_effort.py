@@ -8,6 +8,7 @@ import pytest
 from mien.core import channels
 from mien.core.timeline import FrameRate
 from mien.motion.effort import DECIBELS, articulate, effort_gains, mean_mouth
+from mien.motion.mouth.mouth_space import ChannelSpace
 from mien.motion.performers import load_performer
 from mien.pipeline.perform import perform
 from mien.text.effort_spans import EffortCurve, EffortSpan
@@ -50,6 +51,23 @@ def test_closures_stay_as_they_are_and_weights_in_range(performer, level: float)
     assert weights.min() >= 0
     assert weights.max() < 1
     assert np.abs(changed - plain)[seal < 0.1][:, mouth].max() > 0.01
+
+
+@pytest.mark.parametrize("level", [0.4, 1.8])
+def test_lips_that_a_learned_mouth_shuts_stay_shut(level: float) -> None:
+    performer = load_performer("mandarin")
+    names = [name for name in channels.MOUTH if name in channels.WEIGHTS]
+    space, columns = ChannelSpace.of(names), [channels.ALL.index(name) for name in names]
+    times = RATE.times(RATE.frames_covering(LINE.duration))
+
+    def least(values):  # type: ignore[no-untyped-def]
+        opening = space.opening_of(space.rows_from(values[:, columns]))
+        shut = [(p.start - 0.04, p.end + 0.04) for p in LINE.phones if p.label in "MP"]
+        return [opening[(times > start) & (times < end)].min() for start, end in shut]
+
+    plain, changed = least(spoken(performer)), least(spoken(performer, EffortSpan(level)))
+    assert max(plain) < 1.0
+    assert np.abs(np.subtract(changed, plain)).max() < 0.4
 
 
 def test_the_ceiling_is_soft() -> None:
