@@ -81,3 +81,11 @@ def test_damaged_files_are_one_line(corpus: Path, tmp_path: Path) -> None:
     (corpus / "people.npz").write_bytes(b"nothing")
     with pytest.raises(InputError, match=r"people.npz: damaged"):
         capture_corpus(Corpus(corpus), workers=0)
+
+
+def test_another_solver_captures_again(corpus: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (corpus / "people.npz").unlink(missing_ok=True)
+    capture_corpus(Corpus(corpus), workers=0)
+    assert capture_corpus(Corpus(corpus), workers=0).captured == ()
+    monkeypatch.setattr("mien.corpus.capturing._solver", lambda: "another")
+    assert capture_corpus(Corpus(corpus), workers=0).captured == ("a", "b")

@@ -63,10 +63,10 @@ def openings_of(
     for opening in knowledge().openings:
         rows, total = np.zeros(len(names)), 0.0
         for upper, lower, weight in opening.pairs:
-            pair = [place.get(landmarks.get(number, "")) for number in (upper, lower)]
-            if pair[0] is not None and pair[1] is not None:
-                rows[pair[0]] += weight
-                rows[pair[1]] -= weight
+            ends = [(number, sign) for number, sign in ((upper, 1.0), (lower, -1.0)) if number >= 0]
+            if all(landmarks.get(number, "") in place for number, _ in ends):
+                for number, sign in ends:
+                    rows[place[landmarks[number]]] += sign * weight
                 total += weight
         if total == 0.0:
             continue

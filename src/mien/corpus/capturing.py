@@ -12,9 +12,11 @@ that an older version imported, or captures again what a newer solver does bette
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +34,9 @@ from mien.corpus.workers import each
 
 __all__ = ["CaptureReport", "capture_corpus", "people_of", "source_of"]
 
-SOLVER = "2"
-"""Raise it when takes captured by older code should be captured again."""
+SOLVER = "3"
+"""Raise it when takes captured by older code should be captured again; what it reads is told apart by itself."""
+_READS = ("capture/solver.toml", "faces/default.npz", "fitting/default.npz")
 _ENOUGH = 24  # takes to know a person by
 _PEOPLE = "people.npz"
 _SEEN = 0.5  # share of its positions that a recording must have to tell what the person looks like
@@ -94,7 +97,10 @@ def capture_corpus(
     speakers: dict[str, list[str]] = {}
     for name in names:
         speakers.setdefault(corpus.entries[name]["speaker"], []).append(name)
-    known, failed, notes = people_of(corpus), [], []
+    solver = _solver()
+    known = people_of(corpus) if _solver_of(corpus) == solver else {}
+    failed: list[tuple[str, str]] = []
+    notes: list[Note] = []
     for speaker, own in speakers.items():
         stale = speaker in known and known[speaker].layout != corpus.about.get("layout")
         if speaker in known and not stale:
@@ -106,7 +112,7 @@ def capture_corpus(
             failed += [(name, str(problem)) for name in own]
     _keep(corpus, known)
     (corpus.folder / "channels").mkdir(exist_ok=True)
-    stamps = {speaker: f"{SOLVER} {stamp_of(person)}" for speaker, person in known.items()}
+    stamps = {speaker: f"{solver} {stamp_of(person)}" for speaker, person in known.items()}
     jobs, kept = [], []
     for name in names:
         speaker = corpus.entries[name]["speaker"]
@@ -143,6 +149,7 @@ def people_of(corpus: Corpus) -> dict[str, Person]:
     try:
         arrays = load_arrays(path)
         speakers = [str(name) for name in arrays.pop("speakers")]
+        arrays.pop("solver", None)
         own: list[dict[str, object]] = [{} for _ in speakers]
         for name, array in arrays.items():
             number, _, key = name.partition("/")
@@ -197,11 +204,31 @@ def _spread(names: list[str]) -> Iterable[str]:
 
 
 def _keep(corpus: Corpus, people: dict[str, Person]) -> None:
-    arrays: dict[str, Any] = {"speakers": np.array(sorted(people))}
+    arrays: dict[str, Any] = {"speakers": np.array(sorted(people)), "solver": np.array(_solver())}
     for number, speaker in enumerate(sorted(people)):
         arrays |= {f"{number}/{key}": array for key, array in arrays_of(people[speaker]).items()}
     with replace_when_complete(corpus.folder / _PEOPLE) as unfinished:
         np.savez_compressed(unfinished, **arrays)
+
+
+@cache
+def _solver() -> str:
+    """Tells this solver, and the face and table that it works with, from others."""
+    value = hashlib.sha256(SOLVER.encode())
+    for name in _READS:
+        value.update(resources.files("mien").joinpath("assets", name).read_bytes())
+    return value.hexdigest()[:16]
+
+
+def _solver_of(corpus: Corpus) -> str:
+    """Which solver the people of a corpus are known to; empty if there are none, or of an older kind."""
+    try:
+        with np.load(corpus.folder / _PEOPLE, allow_pickle=False) as file:
+            return str(file["solver"])
+    except KeyError:
+        return ""
+    except (OSError, ValueError, BadZipFile):
+        return _solver()  # missing: nobody is known; damaged: `people_of` says so
 
 
 @lru_cache(maxsize=4)
