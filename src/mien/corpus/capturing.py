@@ -221,14 +221,14 @@ def _solver() -> str:
 
 
 def _solver_of(corpus: Corpus) -> str:
-    """Which solver the people of a corpus are known to; empty if there are none, or of an older kind."""
+    """Which solver the people of a corpus are known to; empty if it was one that did not say."""
+    path = corpus.folder / _PEOPLE
     try:
-        with np.load(corpus.folder / _PEOPLE, allow_pickle=False) as file:
-            return str(file["solver"])
+        return str(load_arrays(path)["solver"]) if path.exists() else _solver()
     except KeyError:
         return ""
-    except (OSError, ValueError, BadZipFile):
-        return _solver()  # missing: nobody is known; damaged: `people_of` says so
+    except InputError:
+        return _solver()  # damaged: `people_of` says so
 
 
 @lru_cache(maxsize=4)
