@@ -13,6 +13,7 @@ from mien.motion.em_pca import EMPCA
 from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.coverage import heard_phones
 from mien.motion.mouth.influence_curves import PENALTIES
+from mien.motion.mouth.learned_mouth import by_hand
 from mien.motion.mouth.mouth_space import MarkerSpace
 from mien.motion.performer_file import LearnedSpeech
 
@@ -83,7 +84,8 @@ def _heard(learned: LearnedSpeech) -> list[str]:
     rows = [_row("phones", f"{sum(n > 0 for n in phones.values())} of {len(phones)} heard")]
     if missing:
         rows += _wrapped("never heard", missing)
-        rows.append(_row("", "these take hand-made key shapes"))
+        shapes = " ".join(by_hand(coverage)) or "none"
+        rows.append(_row("", f"hand-made key shapes: {shapes}; the others move like their kin"))
     for name, counts in (
         ("diphones", coverage.diphones_),
         ("triphones", coverage.triphones_),

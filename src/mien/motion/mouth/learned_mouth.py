@@ -7,8 +7,7 @@ to do, by bounded least squares (`mien.face.retargeting`).
 
 In pauses the mouth comes to rest as the face has it (`resting`): recorded people hold it half open before they speak.
 Hand-made key shapes (``assets/performance/visemes.toml``) serve only what no recording shows: the tongue, the lip on
-the teeth at labiodentals, and phones that the performer never heard (`LearnedMouth.hand_made_phones`) or that English
-lacks.
+the teeth at labiodentals, and consonants that the performer never heard (`by_hand`) or that English lacks.
 """
 
 from __future__ import annotations
@@ -27,13 +26,14 @@ from mien.face.library import load_face
 from mien.face.marker_sites import place_markers
 from mien.face.model import Face
 from mien.face.retargeting import Retargeter
-from mien.motion.mouth.coverage import heard_phones
+from mien.motion.mouth.coverage import Coverage, heard_phones
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
 from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performer_file import LearnedSpeech
+from mien.text.phones import is_vowel
 
-__all__ = ["NOT_BY_MARKERS", "LearnedMouth", "resting"]
+__all__ = ["NOT_BY_MARKERS", "LearnedMouth", "by_hand", "resting"]
 
 Floats = NDArray[np.float64]
 
@@ -79,8 +79,8 @@ class LearnedMouth:
 
     @property
     def hand_made_phones(self) -> tuple[str, ...]:
-        """Phones that were never recorded, whose key shapes are hand-made."""
-        return tuple(phone for phone, count in heard_phones(self.learned.motion.coverage_).items() if not count)
+        """Consonants that were never recorded, whose key shapes are hand-made; vowels move like their kin."""
+        return by_hand(self.learned.motion.coverage_)
 
     @property
     def emotions(self) -> tuple[str, ...]:
@@ -100,16 +100,16 @@ class LearnedMouth:
         if self._markers is not None:
             markers = MarkerTrack(self._markers.space.names, motion, rate)
         values *= 1 - resting(utterance.phones, times)[:, None]
-        by_hand = self.authored.perform(utterance, rate)
+        hand_made = self.authored.perform(utterance, rate)
         own = utterance.shapes or ((),) * len(utterance.phones)
         unheard = set(self.hand_made_phones)
         unknown = [phone.label in unheard or bool(names) for phone, names in zip(utterance.phones, own, strict=True)]
         on_teeth = [phone.label in _LIP_ON_TEETH for phone in utterance.phones]
         share = self.authored.share_of(utterance, rate, unknown)
         share = np.maximum(share, self.authored.share_of(utterance, rate, on_teeth) ** _ON_TEETH_SHARPNESS)[:, None]
-        values = values * (1 - share) + by_hand.values * share
-        values[:, _TONGUE] = by_hand.values[:, _TONGUE]
-        return MouthMotion(values=values, seal=by_hand.seal, markers=markers)
+        values = values * (1 - share) + hand_made.values * share
+        values[:, _TONGUE] = hand_made.values[:, _TONGUE]
+        return MouthMotion(values=values, seal=hand_made.seal, markers=markers)
 
     def on_face(self, motion: Floats, rate: FrameRate) -> Floats:
         """What a speech model gives as channels of the face, shape (frames, channels)."""
@@ -118,6 +118,15 @@ class LearnedMouth:
         values = np.zeros((len(motion), len(channels.ALL)))
         values[:, self._columns] = motion
         return values
+
+
+def by_hand(coverage: Coverage) -> tuple[str, ...]:
+    """Phones whose key shapes are hand-made: consonants that were never heard.
+
+    A vowel that was never heard is well told from others by how open, round and front it is, and moves as the person
+    moves; consonants are not.
+    """
+    return tuple(phone for phone, count in heard_phones(coverage).items() if not count and not is_vowel(phone))
 
 
 def resting(phones: Tier, times: Floats) -> Floats:
