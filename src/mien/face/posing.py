@@ -14,8 +14,8 @@ The steps, in order:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -97,9 +97,10 @@ class PosedPart:
 
 @dataclass(frozen=True)
 class PosedFace:
-    """A face in one pose; ``parts`` in the order of ``Face.parts``."""
+    """A face in one pose; ``parts`` in the order of ``Face.parts``, ``channels`` those not at 0 (for its folds)."""
 
     parts: tuple[PosedPart, ...]
+    channels: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,10 @@ class Poser:
             vertices.reshape(-1),
             normals,
         )
-        return _split(surface, vertices, normals)
+        return replace(_split(surface, vertices, normals), channels=self._moved(row))
+
+    def _moved(self, row: NDArray[np.float64]) -> dict[str, float]:
+        return {self.channel_names[place]: float(row[place]) for place in np.flatnonzero(row)}
 
     def _checked(self, values: ArrayLike) -> NDArray[np.float64]:
         row = np.asarray(values, dtype=np.float64)
@@ -226,7 +230,7 @@ def pose_reference(poser: Poser, values: ArrayLike) -> PosedFace:
     length = np.linalg.norm(total, axis=1, keepdims=True)
     forward = np.array([0, 0, 1], dtype=np.float32)
     normals = np.where(length > 0, total / np.where(length > 0, length, 1), forward)[surface.welded]
-    return _split(surface, vertices, normals.astype(np.float32))
+    return replace(_split(surface, vertices, normals.astype(np.float32)), channels=poser._moved(row))
 
 
 def _split(surface: _Surface, vertices: Floats, normals: Floats) -> PosedFace:

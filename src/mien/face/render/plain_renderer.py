@@ -24,6 +24,7 @@ Array = NDArray[Any]
 
 def render_reference(renderer: Renderer, posed: PosedFace) -> NDArray[np.uint8]:
     """The same picture as ``renderer.render(posed)``, up to rounding."""
+    renderer.folded(posed)
     vertices = np.concatenate([part.vertices for part in posed.parts]).astype(np.float64)
     normals = np.concatenate([part.normals for part in posed.parts]).astype(np.float64)
     place = _project(renderer, vertices)
@@ -263,7 +264,7 @@ def _texture(renderer: Renderer, triangles: Array, corner: Array, uv: Array) -> 
         ratio = abs(spread[point]) * levels[0, 1] * levels[0, 2]
         chosen = int(np.clip(np.ceil(np.log2(max(ratio, 1e-9) / 2) / 2), 0, len(levels) - 1))
         first, wide, tall = levels[chosen].tolist()
-        picture = linear_from_srgb(scene.texels[first : first + wide * tall] / 255).reshape(tall, wide, 3)
+        picture = linear_from_srgb(renderer.texels[first : first + wide * tall] / 255).reshape(tall, wide, 3)
         at = uv[point] * (wide, tall) - 0.5
         corner_at = np.floor(at).astype(int)
         u, v = at - corner_at

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.face.folds import folds_of
 from mien.face.model import Face
 from mien.face.posing import PosedFace
 from mien.face.render import light
@@ -62,6 +63,12 @@ class Renderer:
         self.camera = camera or Camera.portrait(face, width / height)
         self.lighting = lighting or Lighting.portrait()
         self.scene = Scene.of(face, self.lighting.reach_mm)
+        self._folds = [
+            (folds, self.scene.texels[folds.texels])
+            for part, levels in zip(face.parts, self.scene.texture_level, strict=True)
+            if (folds := folds_of(part, levels[levels[:, 1] > 0])) is not None
+        ]
+        self.texels = self.scene.texels.copy() if self._folds else self.scene.texels
         self._light_axes = light.light_axes(self.lighting.directions)
         self.noise = _dither()
         self._background, self._backdrop = _background(self.lighting, height, self.noise)
@@ -102,11 +109,18 @@ class Renderer:
             lit, openness = self._light(vertices, normals, needed)
             raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
             raster.draw(
-                points, scene.triangles, scene.triangle_part, start, listed, self._order, scene.texels,
+                points, scene.triangles, scene.triangle_part, start, listed, self._order, self.folded(posed),
                 scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky, self._background,
                 self._backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
             )  # fmt: skip
         return picture
+
+    def folded(self, posed: PosedFace) -> NDArray[np.uint8]:
+        """The texels of all parts with the folds that a pose has, shape (n, 3); the same array at every call."""
+        for folds, smooth in self._folds:
+            weights = folds.weights(posed.channels)
+            folds.lay(weights, smooth, self.texels)
+        return self.texels
 
     def empty(self) -> Picture:
         """The background alone, shape (height, width, 3)."""

@@ -1,0 +1,159 @@
+"""Folds of the skin: shade on the texture where a muscle gathers it, as strong as the channels that make it.
+
+Hand-made (``tools/bake_face/folds.py``): what the mesh is too coarse to fold is drawn as the dark of a groove and the
+light of its banks. The folds lie on the default face's texture coordinates; a face that has others has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from io import BytesIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.compiled import njit
+from mien.face.model import Part
+
+__all__ = ["Fold", "Folds", "folds_of", "layout_digest"]
+
+Floats = NDArray[np.float32]
+_BLOCK = 64
+_FAINT = 0.015
+TINT = np.array([0.17, 0.25, 0.27], dtype=np.float32)
+"""How much red, green and blue a full fold takes away: what light there is has gone through skin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """One fold.
+
+    Attributes
+    ----------
+    name : str
+    drivers : mapping of str to float
+        Channels that make it, and how much of it each makes at weight 1; the sum counts up to 1.
+    shade : ndarray of float32, shape (size, size)
+        By how much of `TINT` each texel is darker at full; below 0: lighter.
+    """
+
+    name: str
+    drivers: Mapping[str, float]
+    shade: Floats
+
+    def weight(self, channels: Mapping[str, float]) -> float:
+        """How full the fold is, 0..1: skin gathers a little before it folds.
+
+        Examples
+        --------
+        >>> fold = Fold("chin", {"mouthShrugLower": 1.0}, np.zeros((4, 4), np.float32))
+        >>> round(fold.weight({"mouthShrugLower": 0.5, "jawOpen": 1.0}), 2)
+        0.35
+        """
+        total = sum(share * channels.get(name, 0.0) for name, share in self.drivers.items())
+        return float(min(max(total, 0.0), 1.0) ** 1.5)
+
+
+class Folds:
+    """The folds of one texture: which texels change, and how, in every size of it.
+
+    Parameters
+    ----------
+    folds : tuple of Fold
+    sizes : ndarray, shape (levels, 3)
+        First texel, width and height of each level of the texture.
+    """
+
+    def __init__(self, folds: tuple[Fold, ...], sizes: NDArray[np.int32]) -> None:
+        self.folds = folds
+        texels, owners, shades = [], [], []
+        for number, fold in enumerate(folds):
+            for first, wide, tall in sizes.tolist():
+                rows, columns, shade = _resized(fold.shade, tall, wide)
+                texels.append(first + rows * wide + columns)
+                owners.append(np.full(len(rows), number))
+                shades.append(shade)
+        entry = np.concatenate(texels)
+        order = np.argsort(entry, kind="stable")
+        self.texels, starts = np.unique(entry[order], return_index=True)
+        self._starts = np.append(starts, len(entry)).astype(np.int32)
+        self._owners, self._shades = np.concatenate(owners)[order].astype(np.int32), np.concatenate(shades)[order]
+
+    def weights(self, channels: Mapping[str, float]) -> Floats:
+        """How full each fold is, shape (folds,)."""
+        return np.array([fold.weight(channels) for fold in self.folds], dtype=np.float32)
+
+    def lay(self, weights: Floats, smooth: NDArray[np.uint8], texels: NDArray[np.uint8]) -> None:
+        """Write what folds can change into all ``texels``; ``smooth`` is what `self.texels` of them are without."""
+        _lay(self.texels, self._starts, self._owners, self._shades, weights, TINT, smooth, texels)
+
+
+@njit(cache=True, nogil=True)
+def _lay(places, starts, owners, shades, weights, tint, smooth, texels):  # type: ignore[no-untyped-def]
+    for number in range(len(places)):
+        dark = np.float32(0.0)
+        for entry in range(starts[number], starts[number + 1]):
+            dark += weights[owners[entry]] * shades[entry]
+        dark = min(max(dark, np.float32(-1.0)), np.float32(1.0))
+        for colour in range(3):
+            value = smooth[number, colour] * (np.float32(1.0) - dark * tint[colour])
+            texels[places[number], colour] = np.uint8(min(max(value, np.float32(0.0)), np.float32(255.0)))
+
+
+def layout_digest(uv: NDArray[np.float32]) -> str:
+    """What tells texture coordinates apart."""
+    return sha256(np.round(uv.astype(np.float64), 4).tobytes()).hexdigest()
+
+
+def folds_of(part: Part, sizes: NDArray[np.int32]) -> Folds | None:
+    """The folds of a part that has the default skin's texture coordinates and a texture; None for any other.
+
+    Parameters
+    ----------
+    part : Part
+    sizes : ndarray, shape (levels, 3)
+        First texel, width and height of each level of its texture.
+    """
+    layout, folds = _drawn()
+    if part.material.texture is None or layout_digest(part.uv) != layout:
+        return None
+    return Folds(folds, sizes)
+
+
+@cache
+def _drawn() -> tuple[str, tuple[Fold, ...]]:
+    data = (files("mien") / "assets" / "render" / "folds.npz").read_bytes()
+    with np.load(BytesIO(data), allow_pickle=False) as arrays:
+        size = int(arrays["size"])
+        found = []
+        for name in sorted(key.removesuffix(".shade") for key in arrays.files if key.endswith(".shade")):
+            shade = np.zeros(size * size, dtype=np.float32)
+            shade[arrays[f"{name}.texels"]] = arrays[f"{name}.shade"].astype(np.float32) / 127
+            drivers = dict(pair.split("=") for pair in arrays[f"{name}.drivers"].tobytes().decode().split())
+            found.append(Fold(name, {c: float(share) for c, share in drivers.items()}, shade.reshape(size, size)))
+        return arrays["layout"].tobytes().decode(), tuple(found)
+
+
+def _resized(picture: Floats, tall: int, wide: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Rows, columns and values of what is not 0 of a square picture in another size; nothing where it is tiny."""
+    size = len(picture)
+    nothing = np.zeros(0, dtype=np.int64)
+    if tall != wide or tall < size // _BLOCK or (max(tall, size) % min(tall, size)):
+        return nothing, nothing, np.zeros(0, dtype=np.float32)
+    rows, columns = np.nonzero(picture)
+    top, left = rows.min() // _BLOCK * _BLOCK, columns.min() // _BLOCK * _BLOCK
+    part = picture[top : (rows.max() // _BLOCK + 1) * _BLOCK, left : (columns.max() // _BLOCK + 1) * _BLOCK]
+    if tall < size:
+        step = size // tall
+        part = part.reshape(part.shape[0] // step, step, part.shape[1] // step, step).mean(axis=(1, 3))
+        top, left = top // step, left // step
+    elif tall > size:
+        step = tall // size
+        part, top, left = np.kron(part, np.ones((step, step), dtype=np.float32)), top * step, left * step
+        part = (part + np.roll(part, 1, 0) + np.roll(part, 1, 1) + np.roll(np.roll(part, 1, 0), 1, 1)) / 4
+    rows, columns = np.nonzero(np.abs(part) > _FAINT)
+    return rows + top, columns + left, part[rows, columns].astype(np.float32)
