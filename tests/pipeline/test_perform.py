@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import mien
 from mien.core import channels
 from mien.core.timeline import FrameRate
 from mien.motion.performer import Performer
@@ -86,3 +87,16 @@ def test_an_added_curve_leaves_closures_shut_and_a_set_one_is_exact() -> None:
     assert added.max() > plain.max() + 0.2
     exact = perform(LINE, Score(curves=(ParameterCurve("jawOpen", keys, mode="set"),)), PERFORMER, rate)
     assert (exact.channels.channel("jawOpen")[:51] == 0.6).all()
+
+
+def test_an_emotion_after_the_line_is_reported() -> None:
+    animation = mien.say("Yes.", emotion="happy[50-60]")
+    assert any("happy was asked for from 50 s" in note.message for note in animation.notes)
+    assert not any("was asked for from" in note.message for note in mien.say("Yes.", emotion="happy").notes)
+
+
+def test_neutral_over_finished_motion_is_said_to_change_nothing() -> None:
+    animation = mien.say("Yes.")
+    laid = mien.express(animation, emotion="neutral")
+    assert any("neutral changes nothing" in note.message for note in laid.notes)
+    assert np.array_equal(laid.channels.values, animation.channels.values)

@@ -149,11 +149,14 @@ def _resized(picture: Floats, tall: int, wide: int) -> tuple[NDArray[np.int64], 
     part = picture[top : (rows.max() // _BLOCK + 1) * _BLOCK, left : (columns.max() // _BLOCK + 1) * _BLOCK]
     if tall < size:
         step = size // tall
-        part = part.reshape(part.shape[0] // step, step, part.shape[1] // step, step).mean(axis=(1, 3))
+        part = part.reshape(part.shape[0] // step, step, part.shape[1] // step, step).mean(
+            axis=(1, 3), dtype=np.float32
+        )
         top, left = top // step, left // step
     elif tall > size:
         step = tall // size
-        part, top, left = np.kron(part, np.ones((step, step), dtype=np.float32)), top * step, left * step
-        part = (part + np.roll(part, 1, 0) + np.roll(part, 1, 1) + np.roll(np.roll(part, 1, 0), 1, 1)) / 4
+        grown = np.kron(part, np.ones((step, step)))
+        moved = [np.roll(grown, (down, aside), (0, 1)) for down in (0, 1) for aside in (0, 1)]
+        part, top, left = np.mean(moved, axis=0).astype(np.float32), top * step, left * step
     rows, columns = np.nonzero(np.abs(part) > _FAINT)
     return rows + top, columns + left, part[rows, columns].astype(np.float32)

@@ -26,6 +26,7 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
+from mien.motion.expression.expression import NEUTRAL
 from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.singing import sing
@@ -83,8 +84,27 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         utterance=utterance,
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),
-        notes=utterance.notes + performer.expression.notes(score),
+        notes=utterance.notes + performer.expression.notes(score) + _outside(score, utterance.duration),
     )
+
+
+def _outside(score: Score, duration: float) -> tuple[Note, ...]:
+    """Notes on emotions that were asked for where the line is over."""
+    late = [span for span in score.emotions if (span.start or 0.0) >= duration]
+    return tuple(
+        Note(
+            "warning",
+            f"{span.name} was asked for from {span.start:g} s, but the line ends at {duration:.2f} s: not shown",
+        )
+        for span in late
+    )
+
+
+def _of_neutral(score: Score) -> tuple[Note, ...]:
+    """A note where nothing but neutral was asked for over motion that is there."""
+    if not score.emotions or any(span.name != NEUTRAL for span in score.emotions):
+        return ()
+    return (Note("note", "neutral changes nothing: an expression is laid over the motion, none is taken off it"),)
 
 
 def _spoken(utterance: Utterance, score: Score, performer: Performer, rate: FrameRate) -> MouthMotion:
@@ -136,6 +156,8 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
         score=replace(animation.score, emotions=animation.score.emotions + score.emotions),
         notes=animation.notes
         + performer.expression.notes(score)
+        + _outside(score, duration)
+        + _of_neutral(score)
         + ((Note("note", told),) if animation.edits is not None else ()),
         edits=None,
     )

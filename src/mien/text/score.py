@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.text.effort_spans import EffortSpan
+from mien.text.emotion_words import emotion_called
 from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
 from mien.text.parameter_curves import ParameterCurve
 
@@ -30,7 +31,7 @@ class EmotionSpan:
     Attributes
     ----------
     name : str
-        Name of an emotion, such as ``"happy"``.
+        Name of an emotion, such as ``"happy"``; ``"joy"`` and other nouns are understood (`mien.text.emotion_words`).
     intensity : float or IntensityCurve
         0 (neutral) to 1 (full), held or changing over time; SPEC A13.
     start, end : float or None
@@ -48,6 +49,7 @@ class EmotionSpan:
     end: float | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", emotion_called(self.name))
         if not isinstance(self.intensity, IntensityCurve):
             checked_intensity(self.intensity)
         if self.start is not None and self.end is not None and self.end < self.start:

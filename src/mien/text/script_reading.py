@@ -17,6 +17,7 @@ from mien.core.limits import read_bytes
 from mien.core.plain_text import decode_text
 from mien.text.bml import read_bml
 from mien.text.commands import CommandLibrary, shipped_library
+from mien.text.emotion_words import with_long_tags
 from mien.text.script import Script
 from mien.text.script_builder import Builder
 from mien.text.tag_elements import ELEMENTS
@@ -53,7 +54,12 @@ def read_script(text: str, library: CommandLibrary | None = None, source: str = 
     library = library or shipped_library()
     text = _NOT_IN_XML.sub(" ", text)
     if not is_document(text):
-        return _built(read_tagged_text(text, {*ELEMENTS, *library.names}, source), library, source, collapse=False)
+        return _built(
+            read_tagged_text(with_long_tags(text, library.names), {*ELEMENTS, *library.names}, source),
+            library,
+            source,
+            collapse=False,
+        )
     events = tuple(read_document(text, source))
     root = events[0]
     if root.text == "bml":
