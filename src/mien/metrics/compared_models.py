@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from mien.core.errors import unknown_name
 from mien.metrics.baselines import Cosine, MeanPose, Model, Ridge
 from mien.metrics.dominance import Dominance
 from mien.metrics.perceptron import Perceptron
-from mien.motion.graph.combined_motion import CombinedMotion
+from mien.motion.graph.combined_motion import CombinedMotion, CombinedMotionSettings
 from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 
 __all__ = ["contenders"]
+
+_MARKERS = "markers"
 
 
 def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False) -> dict[str, Callable[[], Model]]:
@@ -22,7 +25,8 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
     ``diphones`` and ``triphones`` are Deng et al.'s model with a key shape for each phone; ``influence curves`` are
     the explicit part of ``speech motion``. The last three hear the sound of the take: ``graph`` is recorded motion,
     searched and joined (Cao et al.), with the paper's weights and with weights learned from the training takes;
-    ``both`` is ``speech motion`` corrected by what was recorded.
+    ``both`` is ``speech motion`` corrected by what was recorded. Where takes have captured channels, mien learns in
+    them; the papers' models learn markers as the papers do, and so does ``both in markers``, for comparison.
 
     Parameters
     ----------
@@ -42,18 +46,20 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
     ['cosine', 'ridge']
     """
     reach = 0.16 if unseen_words else 0.32
+    paper = CoarticulationSettings(key_per_phone=True, learn_in=_MARKERS)
     every: dict[str, Callable[[], Model]] = {
         "mean pose": MeanPose,
         "cosine": Cosine,
         "dominance": Dominance,
         "ridge": lambda: Ridge(reach),
         "perceptron": lambda: Perceptron(reach=reach),
-        "diphones": lambda: Coarticulation(CoarticulationSettings(triphones=False, key_per_phone=True)),
-        "triphones": lambda: Coarticulation(CoarticulationSettings(key_per_phone=True)),
+        "diphones": lambda: Coarticulation(replace(paper, triphones=False)),
+        "triphones": lambda: Coarticulation(paper),
         "influence curves": lambda: SpeechMotion(SpeechMotionSettings(correction_share=0.0)),
         "speech motion": SpeechMotion,
-        "paper's graph": lambda: GraphMotion(GraphMotionSettings.of_the_paper()),
+        "paper's graph": lambda: GraphMotion(replace(GraphMotionSettings.of_the_paper(), learn_in=_MARKERS)),
         "graph": GraphMotion,
+        "both in markers": lambda: CombinedMotion(_in_markers()),
         "both": CombinedMotion,
     }
     if names is None:
@@ -62,3 +68,12 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
         if name not in every:
             raise unknown_name("model", name, every)
     return {name: make for name, make in every.items() if name in names}
+
+
+def _in_markers() -> CombinedMotionSettings:
+    settings = CombinedMotionSettings()
+    return replace(
+        settings,
+        speech=replace(settings.speech, learn_in=_MARKERS),
+        graph=replace(settings.graph, learn_in=_MARKERS),
+    )
