@@ -36,11 +36,52 @@ def test_a_table_stretches_and_together(angry: Path, capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out.count("angry") >= 3
 
 
+@pytest.mark.data
+def test_files_of_one_speaker_are_judged_beside_one_another(angry: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = ("03a01Wa", "03a01Nc", "03a02Ta", "08a01Na", "08a01Wa")
+    files = [str(angry.with_name(f"{name}.flac")) for name in names]
+
+    def told(*options: str) -> dict[str, dict[str, float]]:
+        assert main(["emotion", "--json", *options, *files]) == 0
+        lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [line["file"] for line in lines] == files
+        return {line["file"]: line["probabilities"] for line in lines}
+
+    usual, apart, together = told(), told("--apart"), told("--together")
+    assert usual != apart
+    assert usual != together  # two speakers, as their names tell
+    assert main(["emotion", "--json", *files[:3]]) == 0
+    alone = [json.loads(line)["probabilities"] for line in capsys.readouterr().out.splitlines()]
+    assert alone == [usual[file] for file in files[:3]]
+
+
+@pytest.mark.data
+def test_a_neutral_baseline(angry: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    neutral = str(angry.with_name("03a01Nc.flac"))
+    assert main(["emotion", "--json", str(angry), "--baseline", neutral]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["emotion"] == "angry"
+    assert main(["emotion", "--json", str(angry)]) == 0
+    assert json.loads(capsys.readouterr().out)["probabilities"] != json.loads(told.out)["probabilities"]
+
+
+def test_whose_files_they_are_is_said_where_names_do_not_tell(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("a", "b"):
+        Audio.silence(0.5, 16_000).write(tmp_path / f"{name}.wav")
+    assert main(["emotion", str(tmp_path / "a.wav"), str(tmp_path / "b.wav")]) == 0
+    assert "taken for one speaker's" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
         ["emotion", "no-such-file.wav"],
         ["emotion", "x.wav", "--over-time", "--together"],
+        ["emotion", "x.wav", "--apart", "--together"],
+        ["emotion", "x.wav", "--together", "--baseline", "y.wav"],
+        ["emotion", "x.wav", "--baseline", "no-such-file.wav"],
         ["emotion", "x.wav", "--classifier", "none.npz"],
         ["emotion-train", "nowhere", "-o", "x.npz"],
         ["emotion-train", "nowhere", "-o", "x.pkl"],

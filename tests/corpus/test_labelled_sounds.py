@@ -63,6 +63,21 @@ def test_a_table_that_does_not_fit_is_refused(tmp_path: Path, content: str) -> N
         read_labelled_sounds(table)
 
 
+def test_links_are_followed_and_a_circle_ends(tmp_path: Path) -> None:
+    elsewhere = make(tmp_path / "elsewhere", "x.wav", "y.wav")
+    folder = make(tmp_path / "corpus", "sad/z.wav")
+    (folder / "happy").symlink_to(elsewhere)
+    (folder / "sad" / "up").symlink_to(folder)
+    found = read_labelled_sounds(folder)
+    assert [(sound.path.name, sound.emotion) for sound in found.sounds] == [
+        ("x.wav", "happy"),
+        ("y.wav", "happy"),
+        ("z.wav", "sad"),
+    ]
+    (tmp_path / "link").symlink_to(folder)
+    assert len(read_labelled_sounds(tmp_path / "link").sounds) == 3
+
+
 def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     corpus = read_labelled_sounds(make(tmp_path, "sad/a.wav", "angry/b.wav", "notes.wav"))
     assert len(corpus.sounds) == 2

@@ -9,8 +9,14 @@ import pytest
 from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.corpus.labelled_sounds import LabelledSound, LabelledSounds
-from mien.emotion.emotion_classifier import EmotionClassifier, default_classifier, load_classifier
-from mien.emotion.emotion_over_time import emotion_spans, likeliest_course, read_over_time
+from mien.emotion.emotion_classifier import (
+    MOST_NEUTRAL_WRONG,
+    EmotionClassifier,
+    _thresholds,
+    default_classifier,
+    load_classifier,
+)
+from mien.emotion.emotion_over_time import emotion_spans, likeliest_course, read_over_time, running_baseline
 from mien.emotion.emotion_samples import emotion_samples
 from mien.formats.sound_files import read_audio
 from mien.speech.sound_variations import varied
@@ -22,11 +28,11 @@ RATE = 16_000
 def talk(mood: str, seed: int, seconds: float = 1.5) -> Audio:
     """Syllables of a buzz: high, fast and lively, or low, slow and flat."""
     random = np.random.default_rng(seed)
-    pace, pitch, swing = {"angry": (6.0, 220, 6.0), "neutral": (3.0, 120, 1.0)}[mood]
+    pace, pitch, swing = {"angry": (6.0, 220, 6.0), "lively": (4.8, 175, 4.0), "neutral": (3.0, 120, 1.0)}[mood]
     t = np.arange(round(seconds * RATE)) / RATE
     semitones = swing * np.sin(2 * np.pi * random.uniform(0.5, 1.0) * t + random.uniform(0, 6))
     phase = 2 * np.pi * np.cumsum(pitch * random.uniform(0.9, 1.1) * 2 ** (semitones / 12)) / RATE
-    buzz = sum(np.sin(k * phase) / k ** (1.0 if mood == "angry" else 1.8) for k in range(1, 12))
+    buzz = sum(np.sin(k * phase) / k ** {"angry": 1.0, "lively": 1.3, "neutral": 1.8}[mood] for k in range(1, 12))
     envelope = 0.1 + np.clip(np.sin(np.pi * pace * t + random.uniform(0, 3)), 0, None)
     return Audio(0.1 * buzz * envelope + random.normal(0, 1e-3, len(t)), RATE)
 
@@ -38,10 +44,10 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> EmotionClassifier:
     for number in range(24):
         mood = ("angry", "neutral")[number % 2]
         path = folder / f"{number}.wav"
-        talk(mood, number, 2.5).write(path)
+        talk(mood, number, 1.5 + number % 3 / 2).write(path)
         sounds.append(LabelledSound(path, mood, f"s{number % 4 // 2}{number % 3}"))
     corpus = LabelledSounds("made up", tuple(sounds))
-    return EmotionClassifier().fit(emotion_samples(corpus, variations=1))
+    return EmotionClassifier(kernel="linear", cost=0.1).fit(emotion_samples(corpus, variations=1))
 
 
 def test_moods_of_unheard_voices_are_told(learned: EmotionClassifier) -> None:
@@ -93,8 +99,8 @@ def test_level_rate_and_silence_around_change_little(change: str) -> None:
         "silence": lambda: Audio.join([Audio.silence(1.0, RATE), sound, Audio.silence(1.0, RATE)]),
     }[change]()
     before, after = (np.array(list(voice_features(analyse(s)).values())) for s in (sound, other))
-    spread = default_classifier().machine_.scale_
-    assert np.median(np.abs(after - before) / spread) < 0.05
+    used, spread = default_classifier().columns_, default_classifier().machine_.scale_
+    assert np.median(np.abs(after - before)[used] / spread) < 0.05
 
 
 def test_features_have_the_same_names_for_every_sound() -> None:
@@ -142,6 +148,76 @@ def test_together_takes_out_what_the_sounds_share(learned: EmotionClassifier) ->
     moods: Sequence[str] = ["angry", "neutral"] * 4
     readings = learned.read_together([talk(mood, 60 + i) for i, mood in enumerate(moods)])
     assert [reading.emotion for reading in readings] == list(moods)
+
+
+def test_a_speaker_is_judged_against_their_own_neutral_voice(learned: EmotionClassifier) -> None:
+    """Somebody whose calm voice is lively: alone it sounds more stirred than against their own."""
+    calm = [talk("lively", 200 + i) for i in range(8)]
+    sound = talk("lively", 300)
+    alone, against = learned.read(sound), learned.read(sound, baseline=calm)
+    assert against.probabilities["neutral"] > alone.probabilities["neutral"] + 0.1
+    assert against.activation < alone.activation
+
+
+def test_a_baseline_counts_more_the_more_of_it_was_heard(learned: EmotionClassifier) -> None:
+    others = np.ones((50, len(learned.usual_))) + learned.usual_
+    off = [np.abs(learned.baseline_of(others[:n]) - learned.usual_).max() for n in (0, 1, 3, 50)]
+    assert off == pytest.approx([0, 1 / 4, 3 / 6, 50 / 53])
+
+
+def test_a_baseline_without_speech_does_not_count(learned: EmotionClassifier) -> None:
+    sound = talk("angry", 7)
+    assert learned.read(sound, baseline=[Audio.silence(1.0, RATE)]) == learned.read(sound)
+
+
+def test_calm_parts_of_a_recording_become_its_measure_stirred_ones_do_not(learned: EmotionClassifier) -> None:
+    def moved(mood: str) -> float:
+        rows = np.array([list(voice_features(analyse(talk(mood, 400 + i, 2.5))).values()) for i in range(6)])
+        moved = running_baseline(learned, rows, learned.usual_) - learned.usual_
+        return float(np.abs(moved[learned.columns_] / learned.machine_.scale_).mean())
+
+    assert moved("neutral") > 4 * moved("angry")
+
+
+def test_few_neutral_recordings_pass_a_threshold(learned: EmotionClassifier) -> None:
+    from types import SimpleNamespace
+
+    random = np.random.default_rng(5)
+    sure = np.concatenate([random.uniform(0.3, 0.8, 400), random.uniform(0.4, 1.0, 400)])
+    machine = SimpleNamespace(classes_=("angry", "neutral"), held_out_probabilities_=np.stack([sure, 1 - sure], axis=1))
+    threshold = _thresholds(machine, ["neutral"] * 400 + ["angry"] * 400)["angry"]  # type: ignore[arg-type]
+    given = (sure >= threshold) & (sure > 0.5)
+    assert given[:400].mean() <= MOST_NEUTRAL_WRONG
+    assert threshold == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_file_of_the_first_version_still_reads(learned: EmotionClassifier, tmp_path: Path) -> None:
+    import json
+    import zipfile
+
+    learned.save(tmp_path / "new.npz")
+    with zipfile.ZipFile(tmp_path / "new.npz") as new, zipfile.ZipFile(tmp_path / "old.npz", "w") as old:
+        head = json.loads(new.read("classifier.json"))
+        head["version"], head["threshold"] = 1, 0.54
+        del head["thresholds"]
+        for name in new.namelist():
+            if name not in ("classifier.json", "columns.npy", "usual.npy", "from_neutral.npy"):
+                old.writestr(name, new.read(name))
+        old.writestr("classifier.json", json.dumps(head))
+    loaded = load_classifier(tmp_path / "old.npz")
+    assert loaded.thresholds_ == {"angry": 0.54, "neutral": 0.54}
+    assert not loaded.usual_.any()
+
+
+def test_speakers_of_one_mood_are_compared_with_everybody(tmp_path: Path) -> None:
+    sounds = []
+    for number in range(12):
+        path = tmp_path / f"{number}.wav"
+        talk(("angry", "neutral")[number % 2], number).write(path)
+        sounds.append(LabelledSound(path, ("angry", "neutral")[number % 2], f"only-{number % 2}-{number % 3}"))
+    learned = EmotionClassifier(kernel="linear").fit(emotion_samples(LabelledSounds("x", tuple(sounds))))
+    assert learned.read(talk("angry", 40)).most_likely == "angry"
+    assert learned.read(talk("neutral", 40)).most_likely == "neutral"
 
 
 def test_other_features_are_refused(learned: EmotionClassifier) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mien.core.audio import Audio
     from mien.core.errors import Note
     from mien.emotion.emotion_classifier import EmotionClassifier, EmotionReading
 
@@ -25,10 +26,14 @@ def add_emotion_commands(commands: Any) -> None:
     emotion.add_argument("files", metavar="FILE", nargs="+", help="sound files, or videos with a sound track")
     emotion.add_argument("--classifier", metavar="X.npz", help="a classifier made by 'mien emotion-train'")
     emotion.add_argument(
+        "--baseline", metavar="NEUTRAL", nargs="+", default=[], help="recordings of the same speaker without emotion"
+    )
+    emotion.add_argument(
         "--together",
         action="store_true",
-        help="the files are of one speaker, or one studio, in several moods: judge each beside the others",
+        help="judge each file beside the others, as one speaker's in several moods: so several files are judged anyway",
     )
+    emotion.add_argument("--apart", action="store_true", help="judge each file alone")
     emotion.add_argument("--over-time", action="store_true", help="stretch by stretch, for longer recordings")
     emotion.add_argument("--json", action="store_true", help="write JSON, one object per file")
     emotion.set_defaults(run=_emotion)
@@ -38,7 +43,7 @@ def add_emotion_commands(commands: Any) -> None:
     train.add_argument("-o", "--output", metavar="X.npz", required=True, help="the classifier to write")
     train.add_argument("--features", default="voice", help="voice (default), or cepstral:500 (Cao et al. 2005)")
     train.add_argument("--kernel", choices=("radial", "linear"), default="radial")
-    train.add_argument("--cost", type=float, default=1.0, help="C of libsvm (default 1)")
+    train.add_argument("--cost", type=float, default=0.5, help="C of libsvm (default 0.5)")
     train.add_argument(
         "--variations", type=int, help="of each recording, by other rooms and microphones (default 4; cepstral: 0)"
     )
@@ -67,20 +72,46 @@ def _emotion(options: argparse.Namespace) -> int:
     from mien.emotion.emotion_classifier import default_classifier, load_classifier
     from mien.formats.sound_files import read_audio
 
-    if options.over_time and options.together:
-        raise InputError("--over-time and --together exclude one another")
+    for other in ("apart", "over_time", "baseline"):
+        if options.together and getattr(options, other):
+            raise InputError(f"--together and --{other.replace('_', '-')} exclude one another")
     classifier = load_classifier(options.classifier) if options.classifier else default_classifier()
-    if options.together:
-        sounds = [read_audio(path)[0] for path in options.files]
-        return _tell(list(zip(options.files, classifier.read_together(sounds), strict=True)), classifier, options.json)
+    baseline = [read_audio(path)[0] for path in options.baseline]
+    beside = not (options.apart or options.over_time or baseline)
+    groups = _speakers(options.files, options.together) if beside else [[path] for path in options.files]
+    if any(len(group) > 1 for group in groups):
+        sounds = {path: read_audio(path)[0] for path in options.files}
+        told: dict[str, EmotionReading] = {}
+        for group in groups:
+            told |= dict(zip(group, classifier.read_together([sounds[path] for path in group]), strict=True))
+        return _tell([(path, told[path]) for path in options.files], classifier, options.json)
     for number, path in enumerate(options.files):
         audio, _ = read_audio(path)
         if options.over_time:
-            _tell_stretches(path, audio, classifier, options.json)
+            _tell_stretches(path, audio, classifier, options.json, baseline)
         else:
-            _tell([(path, classifier.read(audio))], classifier, options.json, heading=number == 0)
+            _tell([(path, classifier.read(audio, baseline))], classifier, options.json, heading=number == 0)
         sys.stdout.flush()
     return 0
+
+
+def _speakers(paths: list[str], together: bool) -> list[list[str]]:
+    """The files of each speaker, as far as their names tell; all are one speaker's where they do not."""
+    from mien.corpus.labelled_sounds import speaker_of_name
+
+    speakers = [None if together else speaker_of_name(path) for path in paths]
+    if len(paths) > 1 and None in speakers and not together:
+        print(
+            f"mien: note: the {len(paths)} files are taken for one speaker's and judged beside one another; "
+            "--apart judges each alone",
+            file=sys.stderr,
+        )
+    if None in speakers:
+        return [list(dict.fromkeys(paths))]
+    return [
+        [path for path, of in dict.fromkeys(zip(paths, speakers, strict=True)) if of == name]
+        for name in dict.fromkeys(speakers)
+    ]
 
 
 def _tell(
@@ -101,10 +132,12 @@ def _tell(
     return 0
 
 
-def _tell_stretches(path: str, audio: Any, classifier: EmotionClassifier, as_json: bool) -> None:
+def _tell_stretches(
+    path: str, audio: Any, classifier: EmotionClassifier, as_json: bool, baseline: Sequence[Audio]
+) -> None:
     from mien.emotion.emotion_over_time import read_over_time
 
-    stretches = read_over_time(audio, classifier)
+    stretches = read_over_time(audio, classifier, baseline)
     if as_json:
         told = [{"start": s.start, "end": s.end, **_as_data(s.reading)} for s in stretches]
         print(json.dumps({"file": path, "stretches": told}))

@@ -13,7 +13,7 @@ from __future__ import annotations
 import csv
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -22,7 +22,7 @@ from typing import Any
 
 from mien.core.errors import InputError, Note, unknown_name
 
-__all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds"]
+__all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds", "speaker_of_name"]
 
 _SOUNDS = {".wav", ".flac", ".ogg", ".aiff", ".aif", ".mp3", ".m4a", ".mp4"}
 _MOST_NAMED = 3
@@ -106,10 +106,41 @@ def read_labelled_sounds(source: str | Path) -> LabelledSounds:
         return LabelledSounds(path.stem, _of_table(path))
     if not path.is_dir():
         raise InputError(f"{path}: no such folder or table")
-    found = sorted(p for p in path.rglob("*") if p.suffix.lower() in _SOUNDS and p.is_file())
+    found = sorted(_sounds_in(path))
     if not found:
         raise InputError(f"{path}: holds no recording ({', '.join(sorted(_SOUNDS))})")
     return _of_names(path, found) or _of_folders(path, found)
+
+
+def _sounds_in(folder: Path) -> Iterator[Path]:
+    """All recordings in a folder and in what it links to; a folder that links back to one above is passed once."""
+    seen: set[Path] = set()
+    waiting = [folder]
+    while waiting:
+        here = waiting.pop()
+        if here.resolve() in seen:
+            continue
+        seen.add(here.resolve())
+        for path in here.iterdir():
+            if path.is_dir():
+                waiting.append(path)
+            elif path.suffix.lower() in _SOUNDS and path.is_file():
+                yield path
+
+
+def speaker_of_name(path: str | Path) -> str | None:
+    """Who speaks in a recording that is named as a known corpus names its recordings: corpus and speaker; else None.
+
+    Examples
+    --------
+    >>> speaker_of_name("03-01-05-02-01-01-12.wav"), speaker_of_name("hello.wav")
+    ('ravdess 12', None)
+    """
+    for name, naming in _tables()["naming"].items():
+        match = re.fullmatch(naming["stem"], Path(path).stem)
+        if match is not None:
+            return f"{name} {match['speaker']}"
+    return None
 
 
 @lru_cache(maxsize=1)

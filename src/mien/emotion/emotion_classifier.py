@@ -28,22 +28,30 @@ from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays, read_bytes, read_member
 from mien.core.poses import read_table
-from mien.emotion.emotion_samples import VOICE, EmotionSamples, features_of
+from mien.emotion.emotion_samples import VOICE, EmotionSamples, feature_names, features_of
 from mien.emotion.support_vectors import Kernel, SupportVectors
 from mien.speech.voice_features import STEP, SpeechFrames, analyse
 
 __all__ = ["NEUTRAL", "EmotionClassifier", "EmotionReading", "default_classifier", "load_classifier"]
 
 NEUTRAL = "neutral"
-FORMAT, VERSION = "mien-emotion-classifier", 1
+FORMAT, VERSION = "mien-emotion-classifier", 2
 LONGEST_WHOLE = 3.5
 """Seconds of speech that are looked at as a whole; more is looked at in windows."""
 WINDOW, WINDOW_STEP = 2.5, 0.5
 LEAST_SPEECH = 0.4
 """Seconds with speech below which nothing is said about a voice."""
-FEW_TOGETHER = 8
-"""As many sounds judged together move each other half as far as a great many would."""
+FEW_TOGETHER = 3
+"""As many other sounds of a speaker move the baseline half as far as a great many would."""
+FROM_NEUTRAL = 0.4
+"""How far the middle of a speaker's moods lies from neutral on the way to the mean of all emotions. Set by hand."""
+MOST_NEUTRAL_WRONG, MOST_WRONG = 0.004, 0.2
+"""Of neutral recordings of speakers held out so many at most get an emotion; of what gets it so many may be another."""
+_CEPSTRUM = "mfcc"
+"""Features with this in their names are left out: they tell speakers, rooms and languages better than moods."""
+_GRID = np.linspace(0.3, 0.99, 70).round(3)
 _RIDGE = 100.0
+_Array = NDArray[np.float64]
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
@@ -96,12 +104,15 @@ class EmotionReading:
 
 
 class EmotionClassifier:
-    """Emotion from the voice.
+    """Emotion from the voice, judged against what is usual for its speaker.
+
+    A voice is looked at as its distance from a baseline: the middle of the speaker's moods, as far as it is known, and
+    the usual voice of all speakers that were learned from, for the rest (`baseline_of`).
 
     Parameters
     ----------
     features : str
-        `mien.emotion.emotion_samples.VOICE`, or ``"cepstral:500"`` (the paper's).
+        `mien.emotion.emotion_samples.VOICE`, or ``"cepstral:500"`` (the paper's; it knows no baseline).
     kernel : {"radial", "linear"}
     cost : float
         libsvm's C.
@@ -109,23 +120,30 @@ class EmotionClassifier:
     Attributes
     ----------
     machine_ : SupportVectors
-    activation_ : ndarray, shape (features + 1,)
+        On the distances from the baseline.
+    columns_ : ndarray of int, shape (used,)
+        Which features it looks at.
+    usual_ : ndarray, shape (features,)
+        The baseline of a speaker of whom nothing else was heard.
+    from_neutral_ : ndarray, shape (features,)
+        From neutral to the mean of all emotions.
+    activation_ : ndarray, shape (used + 1,)
         Linear weights of the activation on scaled features, and a constant.
-    threshold_ : float
-        Chosen on held-out speakers, see `fit`.
+    thresholds_ : dict of str to float
+        Of each emotion, chosen on held-out speakers, see `fit`.
     about_ : mapping of str to str
         What it was learned from.
     """
 
-    def __init__(self, features: str = VOICE, kernel: Kernel = "radial", cost: float = 1.0) -> None:
+    def __init__(self, features: str = VOICE, kernel: Kernel = "radial", cost: float = 0.5) -> None:
         self.features, self.kernel, self.cost = features, kernel, cost
 
     def fit(self, samples: EmotionSamples, about: Mapping[str, str] | None = None) -> Self:
-        """Learn from samples of several speakers.
+        """Learn from samples of several speakers, each speaker's less the mean of their emotions.
 
-        The threshold below which a voice counts as neutral is chosen on speakers held out. A wrong face is worse than
-        none: of neutral recordings the share left neutral counts, of others the share given their emotion less the
-        share given another.
+        A wrong face is worse than none: an emotion's threshold is the lowest at which few enough neutral recordings of
+        speakers held out get it (`MOST_NEUTRAL_WRONG`), and few enough of those that get it have another
+        (`MOST_WRONG`).
 
         Raises
         ------
@@ -135,10 +153,16 @@ class EmotionClassifier:
         if samples.kind != self.features:
             raise InputError(f"a classifier of {self.features!r} features cannot learn from {samples.kind!r} ones")
         own = self.features == VOICE
+        names = feature_names() if own else ("",) * samples.features.shape[1]
+        self.columns_ = np.flatnonzero([_CEPSTRUM not in name for name in names])
+        self.usual_, distances = _beside_speakers(samples) if own else (np.zeros(len(names)), samples.features)
+        neutral = np.array(samples.emotions) == NEUTRAL
+        self.from_neutral_ = -distances[neutral].mean(axis=0) if own and neutral.any() else np.zeros(len(names))
         self.machine_ = SupportVectors(self.kernel, self.cost, "spread" if own else "range", balanced=own)
-        self.machine_.fit(samples.features, samples.emotions, samples.speakers)
-        self.threshold_ = _best_threshold(self.machine_, samples)
-        self.activation_ = _activation_weights(self.machine_.scaled(samples.features), samples.emotions)
+        self.machine_.fit(distances[:, self.columns_], samples.emotions, samples.speakers)
+        self.thresholds_ = _thresholds(self.machine_, samples.emotions)
+        scaled = self.machine_.scaled(distances[:, self.columns_])
+        self.activation_ = _activation_weights(scaled, samples.emotions)
         self.about_ = dict(about or {})
         return self
 
@@ -147,10 +171,47 @@ class EmotionClassifier:
         """The emotions it tells apart, sorted."""
         return self.machine_.classes_
 
-    def read(self, audio: Audio) -> EmotionReading:
+    def baseline_of(self, others: _Array, neutral: bool = False, weight: float | None = None) -> _Array:
+        """What is usual for a speaker, from other sounds of theirs; shape (features,).
+
+        Parameters
+        ----------
+        others : ndarray, shape (sounds, features)
+            In any moods; or all without emotion, with ``neutral``.
+        weight : float, optional
+            As how many sounds they count; by default as many as they are.
+        """
+        weight = len(others) if weight is None else weight
+        if not len(others) or self.features != VOICE:
+            return self.usual_
+        middle = others.mean(axis=0) + (FROM_NEUTRAL * self.from_neutral_ if neutral else 0.0)
+        return np.asarray((weight * middle + FEW_TOGETHER * self.usual_) / (weight + FEW_TOGETHER))
+
+    def probabilities(self, features: _Array, baseline: _Array | None = None) -> _Array:
+        """Of every emotion, shape (sounds, emotions), from features (sounds, features) and a baseline.
+
+        The baseline has the shape (features,), or one row for each sound; None: `usual_`.
+        """
+        return self.machine_.probabilities(self._distances(features, baseline))
+
+    def activations(self, features: _Array, baseline: _Array | None = None) -> _Array:
+        """How stirred voices are, 0 to 1, shape (sounds,); arguments as for `probabilities`."""
+        scaled = self.machine_.scaled(self._distances(features, baseline))
+        return np.asarray(np.clip(scaled @ self.activation_[:-1] + self.activation_[-1], 0.0, 1.0))
+
+    def _distances(self, features: _Array, baseline: _Array | None) -> _Array:
+        return np.asarray((features - (self.usual_ if baseline is None else baseline))[:, self.columns_])
+
+    def read(self, audio: Audio, baseline: Sequence[Audio] = ()) -> EmotionReading:
         """What emotion is in a sound, as a whole.
 
         A sound with more than a few seconds of speech is read in windows, whose probabilities are averaged.
+
+        Parameters
+        ----------
+        audio : Audio
+        baseline : sequence of Audio
+            Recordings of the same speaker without emotion.
 
         Examples
         --------
@@ -158,58 +219,63 @@ class EmotionClassifier:
         >>> reading.emotion, reading.is_sure
         ('neutral', False)
         """
+        return self._read(audio, self.neutral_baseline(baseline))
+
+    def neutral_baseline(self, sounds: Sequence[Audio]) -> _Array:
+        """The baseline of a speaker from recordings without emotion; those without speech do not count."""
+        found = [features for features, spoken in map(self._heard, sounds) if spoken >= LEAST_SPEECH]
+        return self.baseline_of(np.array(found), neutral=True)
+
+    def read_together(self, sounds: Sequence[Audio]) -> list[EmotionReading]:
+        """What emotion is in each of several sounds of one speaker, each judged beside the others.
+
+        The mean of the others is taken for what is usual, the more the more there are. With sounds of a single mood
+        this goes wrong.
+        """
+        found = [self._heard(sound) for sound in sounds]
+        heard = [features for features, spoken in found if spoken >= LEAST_SPEECH]
+        readings, number = [], 0
+        for sound, (_, spoken) in zip(sounds, found, strict=True):
+            others = heard[:number] + heard[number + 1 :] if spoken >= LEAST_SPEECH else heard
+            number += spoken >= LEAST_SPEECH
+            readings.append(self._read(sound, self.baseline_of(np.array(others))))
+        return readings
+
+    def _heard(self, audio: Audio) -> tuple[_Array, float]:
+        """Features of a whole sound, and its seconds of speech."""
+        frames = analyse(audio)
+        return features_of(frames if self.features == VOICE else audio, self.features), float(
+            frames.active.sum() * STEP
+        )
+
+    def _read(self, audio: Audio, baseline: _Array) -> EmotionReading:
         frames = analyse(audio)
         spoken = float(frames.active.sum() * STEP)
         if spoken < LEAST_SPEECH:
-            return self._unheard(spoken)
+            silent = np.array([[float(name == NEUTRAL) for name in self.emotions]])
+            return self.reading(silent, np.zeros(1), spoken)
         if self.features != VOICE:
-            return self._reading(*self._judge(features_of(audio, self.features)[None]), spoken)
-        pieces = [frames] if spoken <= LONGEST_WHOLE else [piece for _, piece in windows(frames)]
-        return self._reading(*self.judge(pieces), spoken)
+            features = features_of(audio, self.features)[None]
+        else:
+            pieces = [frames] if spoken <= LONGEST_WHOLE else [piece for _, piece in windows(frames)]
+            features = np.array([features_of(piece, VOICE) for piece in pieces])
+        return self.reading(self.probabilities(features, baseline), self.activations(features, baseline), spoken)
 
-    def read_together(self, sounds: Sequence[Audio]) -> list[EmotionReading]:
-        """What emotion is in each of several sounds of one speaker (or one studio), each judged beside the others.
+    def reading(self, probabilities: _Array, activation: _Array, spoken: float) -> EmotionReading:
+        """The mean of what was found in pieces of one voice.
 
-        The sounds' mean is moved towards the mean of what was learned, the further the more sounds there are: what all
-        of them share is then the speaker and the room, not the mood. With sounds of a single mood this goes wrong.
+        Parameters
+        ----------
+        probabilities : ndarray, shape (pieces, emotions)
+        activation : ndarray, shape (pieces,)
+        spoken : float
+            Seconds of speech.
         """
-        analysed = [analyse(sound) for sound in sounds]
-        spoken = [float(frames.active.sum() * STEP) for frames in analysed]
-        heard = [i for i, seconds in enumerate(spoken) if seconds >= LEAST_SPEECH]
-        readings = [self._unheard(seconds) for seconds in spoken]
-        if heard:
-            seen = [analysed[i] if self.features == VOICE else sounds[i] for i in heard]
-            features = np.array([features_of(one, self.features) for one in seen])
-            probabilities, activation = self._judge(self.beside_one_another(features))
-            for row, i in enumerate(heard):
-                readings[i] = self._reading(probabilities[row : row + 1], activation[row : row + 1], spoken[i])
-        return readings
-
-    def beside_one_another(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Features of several sounds, shape (sounds, features), their mean moved towards that of what was learned."""
-        share = len(features) / (len(features) + FEW_TOGETHER)
-        return np.asarray(features + share * (self.machine_.centre_ - features.mean(axis=0)))
-
-    def _unheard(self, spoken: float) -> EmotionReading:
-        """Where there is no speech to speak of: surely nothing but neutral."""
-        return self._reading(np.array([[float(name == NEUTRAL) for name in self.emotions]]), np.zeros(1), spoken)
-
-    def judge(self, pieces: list[SpeechFrames]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Probabilities (pieces, emotions) and activations (pieces,) of stretches of speech."""
-        return self._judge(np.array([features_of(piece, self.features) for piece in pieces]))
-
-    def _judge(self, features: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        scaled = self.machine_.scaled(features)
-        activation = np.clip(scaled @ self.activation_[:-1] + self.activation_[-1], 0.0, 1.0)
-        return self.machine_.probabilities(features), np.asarray(activation)
-
-    def _reading(
-        self, probabilities: NDArray[np.float64], activation: NDArray[np.float64], spoken: float
-    ) -> EmotionReading:
         mean = probabilities.mean(axis=0)
         mean = mean if mean.sum() > 0 else np.ones(len(mean))  # nothing heard by a classifier that knows no neutral
         named = {name: float(p) for name, p in zip(self.emotions, mean / mean.sum(), strict=True)}
-        return EmotionReading(named, self.threshold_, float(activation.mean()), spoken)
+        threshold = self.thresholds_[max(named, key=lambda name: named[name])]
+        return EmotionReading(named, threshold, float(activation.mean()), spoken)
 
     def save(self, path: str | Path) -> None:
         """Write the classifier; the same classifier gives the same bytes.
@@ -225,10 +291,16 @@ class EmotionClassifier:
             "features": self.features,
             "kernel": self.kernel,
             "cost": self.cost,
-            "threshold": self.threshold_,
+            "thresholds": self.thresholds_,
             "about": self.about_,
         }
-        arrays = {**self.machine_.to_arrays(), "activation": self.activation_}
+        arrays = {
+            **self.machine_.to_arrays(),
+            "activation": self.activation_,
+            "columns": self.columns_.astype(np.int32),
+            "usual": self.usual_,
+            "from_neutral": self.from_neutral_,
+        }
         with (
             replace_when_complete(path) as unfinished,
             zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive,
@@ -272,9 +344,14 @@ def _read(content: bytes, name: str) -> EmotionClassifier:
                 raise InputError(f"{name}: was written by a newer mien (version {head['version']} of the format)")
         arrays = load_arrays(io.BytesIO(content), name, only=lambda member: not member.endswith(".json"))
         made = EmotionClassifier(head["features"], head["kernel"], float(head["cost"]))
-        made.threshold_, made.about_ = float(head["threshold"]), head["about"]
-        made.machine_ = SupportVectors.from_arrays(arrays)
+        made.machine_, made.about_ = SupportVectors.from_arrays(arrays), head["about"]
         made.activation_ = arrays["activation"]
+        count = len(made.activation_) - 1
+        # Version 1 had one threshold and knew no baseline.
+        made.thresholds_ = head.get("thresholds") or dict.fromkeys(made.emotions, float(head["threshold"]))
+        made.columns_ = arrays.get("columns", np.arange(count))
+        made.usual_ = arrays.get("usual", np.zeros(count))
+        made.from_neutral_ = arrays.get("from_neutral", np.zeros(count))
         return made
 
 
@@ -297,20 +374,41 @@ def _activation_weights(scaled: NDArray[np.float64], emotions: tuple[str, ...]) 
     return np.append(np.linalg.solve(gram, scaled.T @ (target - middle)), middle)
 
 
-def _best_threshold(machine: SupportVectors, samples: EmotionSamples) -> float:
-    """See `EmotionClassifier.fit`; 0 where nothing neutral was recorded."""
-    truth = np.array(samples.emotions)
+def _beside_speakers(samples: EmotionSamples) -> tuple[_Array, _Array]:
+    """The mean of all emotions, and every sample less that of its own speaker, shapes (features,), (samples, features).
+
+    A speaker of one emotion alone is compared with everybody: nothing tells the speaker from the mood.
+    """
+    emotions, speakers = np.array(samples.emotions), np.array(samples.speakers)
+    plain = samples.variation == 0
+
+    def middle(of: NDArray[np.bool_]) -> _Array:
+        means = [samples.features[of & (emotions == name)].mean(axis=0) for name in np.unique(emotions[of])]
+        return np.asarray(np.mean(means, axis=0))
+
+    usual = middle(plain)
+    distances = samples.features - usual
+    for speaker in np.unique(speakers):
+        theirs = speakers == speaker
+        if len(np.unique(emotions[theirs & plain])) > 1:
+            distances[theirs] = samples.features[theirs] - middle(theirs & plain)
+    return usual, distances
+
+
+def _thresholds(machine: SupportVectors, emotions: Sequence[str]) -> dict[str, float]:
+    """See `EmotionClassifier.fit`; 0 for neutral, and for all where nothing neutral was recorded."""
+    truth, names = np.array(emotions), np.array(machine.classes_)
     if NEUTRAL not in machine.classes_:
-        return 0.0
+        return dict.fromkeys(machine.classes_, 0.0)
     probabilities = machine.held_out_probabilities_
-    top, best = probabilities.max(axis=1), np.array(machine.classes_)[probabilities.argmax(axis=1)]
-    neutral = truth == NEUTRAL
-    right = (best == truth) & ~neutral
+    top, best, neutral = probabilities.max(axis=1), names[probabilities.argmax(axis=1)], truth == NEUTRAL
 
-    def worth(threshold: float) -> float:
-        acts = (top >= threshold) & (best != NEUTRAL)
-        wrong = acts & ~right
-        return float((~acts)[neutral].mean() + (acts & right)[~neutral].mean() - wrong[~neutral].mean())
+    def lowest(name: str) -> float:
+        for value in _GRID:
+            given = (best == name) & (top >= value)
+            wrong = given & ~neutral & (truth != name)
+            if given[neutral].mean() <= MOST_NEUTRAL_WRONG and wrong.sum() <= MOST_WRONG * max(given.sum(), 1):
+                return float(value)
+        return float(_GRID[-1])
 
-    grid = np.linspace(0, 0.95, 96)
-    return float(grid[np.argmax([worth(value) for value in grid])])
+    return {name: 0.0 if name == NEUTRAL else lowest(name) for name in machine.classes_}

@@ -8,6 +8,7 @@ and pitch relative to the whole recording: a rule, not learned.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,20 +17,24 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.emotion.emotion_classifier import (
+    FEW_TOGETHER,
+    FROM_NEUTRAL,
     LEAST_SPEECH,
     LONGEST_WHOLE,
     NEUTRAL,
+    WINDOW,
+    WINDOW_STEP,
     EmotionClassifier,
     EmotionReading,
     default_classifier,
     windows,
 )
-from mien.emotion.emotion_samples import VOICE
+from mien.emotion.emotion_samples import VOICE, features_of
 from mien.speech.voice_features import STEP, SpeechFrames, analyse
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
 
-__all__ = ["EmotionStretch", "emotion_spans", "read_over_time"]
+__all__ = ["EmotionStretch", "emotion_spans", "read_over_time", "running_baseline"]
 
 CHANGE_PRICE = 3.0
 """Of one change of emotion, in units of log probability of one window."""
@@ -57,7 +62,9 @@ class EmotionStretch:
     reading: EmotionReading
 
 
-def read_over_time(audio: Audio, classifier: EmotionClassifier | None = None) -> tuple[EmotionStretch, ...]:
+def read_over_time(
+    audio: Audio, classifier: EmotionClassifier | None = None, baseline: Sequence[Audio] = ()
+) -> tuple[EmotionStretch, ...]:
     """The emotions of a recording, one after another, without gaps from its start to its end.
 
     Parameters
@@ -66,24 +73,28 @@ def read_over_time(audio: Audio, classifier: EmotionClassifier | None = None) ->
         A recording with little speech is one stretch.
     classifier : EmotionClassifier, optional
         The default one if none is given.
+    baseline : sequence of Audio
+        Recordings of the same speaker without emotion; what is calm in this one counts besides.
     """
     classifier = classifier or default_classifier()
     frames = analyse(audio)
     if classifier.features != VOICE or frames.active.sum() * STEP <= LONGEST_WHOLE:
-        return (EmotionStretch(0.0, audio.duration, classifier.read(audio)),)
+        return (EmotionStretch(0.0, audio.duration, classifier.read(audio, baseline)),)
+    start = classifier.neutral_baseline(baseline)
     placed = windows(frames)
-    probabilities, activation = classifier.judge([piece for _, piece in placed])
+    features = np.array([features_of(piece, VOICE) for _, piece in placed])
+    usual = running_baseline(classifier, features, start)
+    probabilities = classifier.probabilities(features, usual)
+    activation = classifier.activations(features, usual)
     course = likeliest_course(probabilities)
     edges = [0, *(np.flatnonzero(np.diff(course)) + 1), len(course)]
     bounds = [0.0, *(_quietest(frames, (placed[e - 1][0] + placed[e][0]) / 2) for e in edges[1:-1]), audio.duration]
     stretches = []
     for number, (first, after) in enumerate(pairwise(edges)):
-        start, end = bounds[number], bounds[number + 1]
-        spoken = float(frames.between(start, end).active.sum() * STEP)
-        mean = probabilities[first:after].mean(axis=0)
-        named = {name: float(p) for name, p in zip(classifier.emotions, mean, strict=True)}
-        reading = EmotionReading(named, classifier.threshold_, float(activation[first:after].mean()), spoken)
-        stretches.append(EmotionStretch(start, end, reading))
+        begin, end = bounds[number], bounds[number + 1]
+        spoken = float(frames.between(begin, end).active.sum() * STEP)
+        reading = classifier.reading(probabilities[first:after], activation[first:after], spoken)
+        stretches.append(EmotionStretch(begin, end, reading))
     return tuple(stretches)
 
 
@@ -105,6 +116,27 @@ def emotion_spans(audio: Audio, classifier: EmotionClassifier | None = None) -> 
         end = stretch.end if stretch.end < audio.duration else None
         spans.append(EmotionSpan(stretch.reading.emotion, _intensity(frames, stretch), start, end))
     return tuple(spans)
+
+
+def running_baseline(classifier: EmotionClassifier, features: _Array, start: _Array) -> _Array:
+    """What is usual for a speaker, from the calm parts of a recording: each window counts by how surely it is neutral.
+
+    An angry speech has no calm parts and does not become its own measure.
+
+    Parameters
+    ----------
+    classifier : EmotionClassifier
+    features : ndarray, shape (windows, features)
+    start : ndarray, shape (features,)
+        The baseline before anything was heard.
+    """
+    if NEUTRAL not in classifier.emotions:
+        return start
+    neutral = classifier.probabilities(features, start)[:, classifier.emotions.index(NEUTRAL)]
+    calm = np.maximum(2 * neutral - 1, 0.0)  # only windows that are more neutral than not
+    weight = float(calm.sum()) * WINDOW_STEP / WINDOW  # windows overlap
+    middle = calm @ features / max(float(calm.sum()), 1e-9) + FROM_NEUTRAL * classifier.from_neutral_
+    return np.asarray((weight * middle + FEW_TOGETHER * start) / (weight + FEW_TOGETHER))
 
 
 def likeliest_course(probabilities: _Array) -> NDArray[np.intp]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from mien.speech.cepstral_features import cepstral_features
 from mien.speech.sound_variations import varied
 from mien.speech.voice_features import SpeechFrames, analyse, voice_features
 
-__all__ = ["CEPSTRAL", "VOICE", "EmotionSamples", "emotion_samples", "features_of", "join_samples"]
+__all__ = ["CEPSTRAL", "VOICE", "EmotionSamples", "emotion_samples", "feature_names", "features_of", "join_samples"]
 
 VOICE = "voice"
 """`mien.speech.voice_features`, which other microphones leave alone."""
@@ -89,6 +90,12 @@ def join_samples(parts: Sequence[EmotionSamples]) -> EmotionSamples:
         parts[0].kind,
         tuple(note for part in parts for note in part.notes),
     )
+
+
+@cache
+def feature_names() -> tuple[str, ...]:
+    """Names of the `VOICE` features, in order."""
+    return tuple(voice_features(analyse(Audio.silence(0.5, 16_000))))
 
 
 def features_of(sound: Audio | SpeechFrames, kind: str) -> NDArray[np.float64]:

@@ -194,8 +194,8 @@ def _held_out(
         learned_from = samples.where(_mask(known, len(truth)) & (learn_variations | (samples.variation == 0)))
         if set(learned_from.emotions) != set(classes):
             continue
-        machine = EmotionClassifier(samples.kind).fit(learned_from).machine_
-        probabilities[out], tested[out] = machine.probabilities(samples.features[out]), True
+        learned = EmotionClassifier(samples.kind).fit(learned_from)
+        probabilities[out], tested[out] = learned.probabilities(samples.features[out]), True
     return probabilities, classes, tested
 
 
@@ -218,11 +218,13 @@ def _threshold_lines(voices: EmotionSamples) -> list[str]:
     learned = EmotionClassifier().fit(voices)
     probabilities, truth = learned.machine_.held_out_probabilities_, np.array(voices.emotions)
     best = np.array(learned.emotions)[probabilities.argmax(axis=1)]
-    acts = (probabilities.max(axis=1) >= learned.threshold_) & (best != NEUTRAL)
+    least = np.array([learned.thresholds_[name] for name in best])
+    acts = (probabilities.max(axis=1) >= least) & (best != NEUTRAL)
     neutral = truth == NEUTRAL
     return [
-        f"Not sure, so neutral (threshold {learned.threshold_:.2f}, chosen on the same speakers held out, recordings "
-        f"and variations): {(~acts)[neutral].mean():.0%} of neutral speech stays neutral; of other speech "
+        f"Not sure, so neutral (thresholds chosen on the same speakers held out, recordings and variations, who are "
+        f"judged against their own means): {(~acts)[neutral].mean():.0%} of neutral speech stays neutral; of other "
+        "speech "
         f"{(acts & (best == truth))[~neutral].mean():.0%} gets its emotion, "
         f"{(acts & (best != truth))[~neutral].mean():.0%} another, {(~acts)[~neutral].mean():.0%} none.",
     ]
@@ -256,15 +258,16 @@ def _cross_row(name: str, classifier: EmotionClassifier, corpus: str, samples: E
         return f"| {name} | {corpus} | 0 | – | – | – | – | – |"
     columns = [classifier.emotions.index(emotion) for emotion in shared]
 
-    def figures(features: NDArray[np.float64]) -> Judgement:
-        kept = classifier.machine_.probabilities(features)[:, columns]
+    def figures(baseline: NDArray[np.float64]) -> Judgement:
+        kept = classifier.probabilities(tested.features, baseline)[:, columns]
         return judge(kept / np.maximum(kept.sum(axis=1, keepdims=True), 1e-9), shared, tested.emotions)
 
     speakers = np.array(tested.speakers)
-    beside = tested.features.copy()
-    for speaker in np.unique(speakers):
-        beside[speakers == speaker] = classifier.beside_one_another(beside[speakers == speaker])
-    alone = figures(tested.features)
+    beside = np.array([
+        classifier.baseline_of(tested.features[(speakers == speaker) & (np.arange(len(tested)) != row)])
+        for row, speaker in enumerate(speakers)
+    ])  # fmt: skip
+    alone = figures(classifier.usual_)
     return (
         f"| {name} | {corpus} | {len(tested)} | {alone.accuracy:.2f} | {alone.balanced:.2f} | "
         f"{figures(beside).accuracy:.2f} | {alone.brier:.2f} | {alone.calibration:.2f} |"

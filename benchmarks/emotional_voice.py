@@ -1,0 +1,147 @@
+"""Does the voice say what is felt? Measured pitch, rate and level, a reader of emotion, a recogniser of phones.
+
+    python benchmarks/emotional_voice.py [--voices kokoro-heart,espeak] [--sentences 10]
+
+writes ``docs/tables/emotional_voice.md``. Sentences that the reader of emotion never heard are spoken without emotion
+and then with each at full strength (`mien.emotion.emotional_voice`). The reader was learned from recordings of people.
+*Alone*: it hears one sentence; *beside neutral*: it also hears the same voice saying the other sentences without
+emotion. Nothing of the figures in ``assets/emotions/speaking.toml`` was tuned on these lines by this reader.
+Phone error: edit distance of what a recogniser (hama) hears from the dictionary, as in ``benchmarks/voices.py``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from voices import heard_phones, phone_errors
+
+from mien.core.files import replace_when_complete
+from mien.core.utterance import PAUSE, Utterance
+from mien.emotion.emotion_classifier import NEUTRAL, EmotionClassifier, default_classifier
+from mien.emotion.emotional_voice import with_feeling
+from mien.speech.pitch import level_contour, pitch_contour
+from mien.speech.synthesis import synthesise
+from mien.text.normalisation import spoken_words
+from mien.text.score import EmotionSpan, Score
+
+TABLE = Path(__file__).parent.parent / "docs" / "tables" / "emotional_voice.md"
+SPEAKING = tomllib.loads(files("mien").joinpath("assets", "emotions", "speaking.toml").read_text(encoding="utf-8"))
+EMOTIONS = (NEUTRAL, *SPEAKING)
+JUDGED = (NEUTRAL, "happy", "sad", "angry", "afraid")
+SENTENCES = (
+    "I never said that you could take it with you.",
+    "The kids are talking by the door.",
+    "We will be there at seven, and then we go home.",
+    "Put the letter on the table before you leave.",
+    "She told me that nobody had seen the money.",
+    "It rained all night and the river rose again.",
+    "Where did you leave the keys?",
+    "My brother is coming back tomorrow morning.",
+    "Dogs are sitting by the door.",
+    "They have changed the plan, so we must wait.",
+)
+
+
+def measured(said: Utterance) -> dict[str, float]:
+    """What can be measured of one sentence."""
+    pitch, level = pitch_contour(said.audio), level_contour(said.audio)
+    height = pitch.semitones(100.0)[pitch.voiced]
+    spoken = [phone for phone in said.phones if phone.label != PAUSE]
+    active = level.decibels > np.percentile(level.decibels, 95) - 30
+    spectrum = np.abs(np.fft.rfft(said.audio.samples)) ** 2
+    hertz = np.fft.rfftfreq(len(said.audio), 1 / said.audio.rate)
+    low, high = (spectrum[(hertz >= a) & (hertz < b)].sum() for a, b in ((50, 1000), (1000, 5000)))
+    return {
+        "pitch": float(np.median(height)),
+        "range": float(np.percentile(height, 90) - np.percentile(height, 10)),
+        "rate": len(spoken) / sum(phone.duration for phone in spoken),
+        "level": float(10 * np.log10((10 ** (level.decibels[active] / 10)).mean())),
+        "bright": float(10 * np.log10(high / low)),
+    }
+
+
+def spoken_by(voice: str, sentences: int) -> dict[str, list[Utterance]]:
+    plain = [synthesise(text, voice=voice) for text in SENTENCES[:sentences]]
+    return {
+        emotion: [with_feeling(said, Score((EmotionSpan(emotion),)), seed=n) for n, said in enumerate(plain)]
+        for emotion in EMOTIONS
+    }
+
+
+def direction_rows(said: dict[str, list[Utterance]]) -> list[str]:
+    """Each emotion less neutral, means over sentences; a sign that is not the table's stands with a mark."""
+    found = {emotion: [measured(one) for one in lines] for emotion, lines in said.items()}
+    rows = []
+    for emotion in SPEAKING:
+        asked = SPEAKING[emotion]
+        cells = []
+        for name, unit in (("pitch", "st"), ("range", "%"), ("rate", "%"), ("level", "dB"), ("bright", "dB")):
+            pairs = [(a[name], b[name]) for a, b in zip(found[emotion], found[NEUTRAL], strict=True)]
+            change = np.mean([100 * (a / b - 1) if unit == "%" else a - b for a, b in pairs])
+            goal = asked.get("tilt" if name == "bright" else name, 1.0 if unit == "%" else 0.0)
+            goal = goal - 1 if unit == "%" else goal
+            wrong = " ✗" if goal * change < 0 and abs(goal) > 0.01 else ""
+            cells.append(f"{change:+.1f} {unit}{wrong}" if unit != "%" else f"{change:+.0f} %{wrong}")
+        rows.append(f"| {emotion} | {' | '.join(cells)} |")
+    return rows
+
+
+def read_rows(said: dict[str, list[Utterance]], reader: EmotionClassifier) -> tuple[list[str], tuple[float, float]]:
+    """How often the reader finds the emotion likeliest of those judged, alone and beside neutral lines."""
+    rows, alone, beside = [], [], []
+    for emotion in JUDGED:
+        hits = np.zeros(2)
+        for number, one in enumerate(said[emotion]):
+            others = [line.audio for k, line in enumerate(said[NEUTRAL]) if k != number]
+            for way, reading in enumerate((reader.read(one.audio), reader.read(one.audio, baseline=others))):
+                hits[way] += max(JUDGED, key=lambda name: reading.probabilities[name]) == emotion
+        hits /= len(said[emotion])
+        alone.append(hits[0])
+        beside.append(hits[1])
+        rows.append(f"| {emotion} | {hits[0]:.2f} | {hits[1]:.2f} |")
+    means = float(np.mean(alone)), float(np.mean(beside))
+    return [*rows, f"| mean | {means[0]:.2f} | {means[1]:.2f} |"], means
+
+
+def phone_error(lines: list[Utterance]) -> float:
+    wrong = count = 0
+    for one in lines:
+        wrong += phone_errors(spoken_words(one.text), heard_phones(one.audio))
+        count += sum(phone.label != PAUSE for phone in one.phones)
+    return 100 * wrong / count
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--voices", default="kokoro-heart,kokoro-michael,espeak")
+    parser.add_argument("--sentences", type=int, default=len(SENTENCES))
+    given = parser.parse_args()
+    lines = [
+        "# The voice and what is felt",
+        "",
+        f"Written by `python benchmarks/emotional_voice.py`: {given.sentences} sentences, emotions at full strength.",
+        "Changes are against the same voice without emotion; ✗: not in the direction of the table and its sources",
+        "(`assets/emotions/speaking.toml`). Bright: level above 1 kHz less that below.",
+        "Recognised: how often a reader of emotion learned from people finds the emotion likeliest of these five;",
+        "chance is .20. Phone error in %, as in [voices](voices.md).",
+    ]
+    for voice in given.voices.split(","):
+        said = spoken_by(voice, given.sentences)
+        lines += ["", f"## {voice}", "", "| | pitch | range | rate | level | bright |", "| --- |" + " ---: |" * 5]
+        lines += direction_rows(said)
+        rows, _ = read_rows(said, default_classifier())
+        lines += ["", "| recognised | alone | beside neutral |", "| --- | ---: | ---: |", *rows]
+        errors = {emotion: phone_error(said[emotion]) for emotion in EMOTIONS}
+        lines += ["", "| | " + " | ".join(errors) + " |", "| --- |" + " ---: |" * len(errors)]
+        lines += ["| phone error | " + " | ".join(f"{value:.1f}" for value in errors.values()) + " |"]
+        print("\n".join(lines[-22:]), flush=True)
+    with replace_when_complete(TABLE) as unfinished:
+        unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
