@@ -35,10 +35,13 @@ from mien.face.render.camera import Camera
 from mien.face.render.renderer import Renderer
 from mien.motion.expression.hand_made_performance import authored_expression
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.performers import known_performers
 from mien.text.phones import phone_table
 from mien.text.score import EmotionSpan, Score
 
 JPEG_QUALITY = 86
+PERFORMERS_LINE = "We saw Bob move five blue ships"
+PERFORMERS_PHONES = ("W", "AO", "B", "AA", "M", "F", "AY", "UW", "SH")
 EFFORT_LINE, EFFORTS = "My father was five, boy!", (0.4, 1.0, 1.8)
 EFFORT_PHONES = ("M", "AY", "AA", "W", "F", "OY")
 AUTO = ("03a01Wa", "03a01Fa", "03a02Ta")
@@ -249,6 +252,17 @@ def _effort_shots() -> tuple[Shot, ...]:
     return tuple(shots)
 
 
+def _performer_shots() -> tuple[Shot, ...]:
+    """One sentence by each performer that comes with mien, at the same nine phones."""
+    shots = []
+    for performer in known_performers():
+        shown = mien.say(PERFORMERS_LINE, performer=performer, alive="off", prosody="off")
+        first = {p.label: p for p in reversed(shown.utterance.phones.intervals)}
+        places = [(label, first[label].middle) for label in PERFORMERS_PHONES]
+        shots += [Shot(f"{performer}: {label}", _pose(shown, at), "face") for label, at in places]
+    return tuple(shots)
+
+
 def _wander_shots() -> tuple[Shot, ...]:
     """Each emotion without speech, every second of ten."""
     model, rate = authored_expression(), FrameRate.of(25)
@@ -307,6 +321,7 @@ SHEETS: dict[str, Sheet] = {
     "recolor": Sheet(_recolor_shots, columns=6, width=170, height=195),
     "auto": Sheet(_auto_shots, columns=6, width=200, height=230),
     "effort": Sheet(_effort_shots, columns=6, width=200, height=230),
+    "performers": Sheet(_performer_shots, columns=9, width=180, height=207),
     "wander": Sheet(_wander_shots, columns=10, width=140, height=161),
     "blink": Sheet(_blink_shots, columns=5, width=300, height=130),
 }

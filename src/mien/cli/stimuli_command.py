@@ -59,11 +59,14 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.api.calls import read_text
     from mien.api.stimuli import Stimulus
     from mien.core.errors import InputError
+    from mien.text.effort_spans import parse_effort
     from mien.text.score import EmotionSpan
 
     lines = read_text(Path(options.lines)).splitlines()
     names = ("voice", "effort", "fps", "performer", "face")
     chosen = {name: getattr(options, name) for name in names if getattr(options, name)}
+    if options.effort not in ("", "off"):
+        parse_effort(options.effort)
     if options.emotion:
         span = EmotionSpan.parse(options.emotion)
         if not isinstance(span.intensity, float) or span.start is not None or span.end is not None:
