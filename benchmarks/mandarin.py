@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
-from learn_mandarin import LAYOUT, RATE, takes_of  # noqa: E402
+from learn_mandarin import LAYOUT, RATE, heard_right, takes_of  # noqa: E402
 
 from mien.capture.layouts import load_layout  # noqa: E402
 from mien.core import channels  # noqa: E402
@@ -89,7 +89,7 @@ def main() -> None:
     """Learn from five recordings, measure on two."""
     cache, face = Path(sys.argv[1]), OnFace()
     names = sorted(path.stem for path in (DATA / "audio").glob("*.flac"))
-    seen = [take for name in names if name not in HELD_OUT for take in takes_of(DATA, cache, name)]
+    seen = [heard_right(take) for name in names if name not in HELD_OUT for take in takes_of(DATA, cache, name)]
     takes = [take for name in HELD_OUT for take in takes_of(DATA, cache, name)]
     learned = learn(seen, LearningSettings(speech_model="coarticulation"), name="mandarin")
     rows = [

@@ -4,7 +4,9 @@
     python tools/learn_mandarin.py DATA/facegood-mandarin CACHE --without 1114_2_05 1114_3_16 -o test.mien
 
 A professional speaker's rig curves become channels by a table (facegood_rig.toml); there are no transcripts, so phones
-are those that mien's recogniser hears, which are the most alike English ones. CACHE is a folder in which they are kept.
+are those that mien's recogniser hears, which are the most alike English ones. A rounded one whose lips are not round
+was misheard (Mandarin has vowels that English lacks) and counts as its unrounded neighbour. CACHE is a folder in which
+phones are kept.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import argparse
 import json
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +41,7 @@ TARGET = Path(__file__).parent.parent / "src" / "mien" / "assets" / "performers"
 RIG = Path(__file__).parent / "facegood_rig.toml"
 LAYOUT, RATE = "mediapipe-218", FrameRate.of(30)
 PAUSED, EDGE, SHORTEST, LONGEST = 0.6, 0.2, 0.25, 8.0
+UNROUNDED, ROUND = {"UW": "IH", "UH": "AH", "OW": "AH", "W": "Y"}, 0.15
 ABOUT = {
     "licence": "MIT",
     "citation": "FACEGOOD-Audio2Face, Copyright (c) 2022-2032 The FACEGOOD Authors; rig curves of one speaker",
@@ -97,6 +101,17 @@ def takes_of(folder: Path, cache: Path, name: str) -> Iterator[Take]:
         )
 
 
+def heard_right(take: Take) -> Take:
+    """A take whose rounded phones are those with round lips."""
+    assert take.channels is not None
+    pucker, phones = take.channels.channel("mouthPucker"), []
+    for phone in take.phones:
+        frames = slice(int(phone.start * RATE.fps), int(np.ceil(phone.end * RATE.fps)) + 1)
+        misheard = phone.label in UNROUNDED and pucker[frames].max() < ROUND
+        phones.append(Interval(phone.start, phone.end, UNROUNDED[phone.label]) if misheard else phone)
+    return replace(take, phones=Tier("phones", tuple(phones)))
+
+
 def utterances(phones: list[Interval]) -> Iterator[list[Interval]]:
     """Phones between longer pauses."""
     run: list[Interval] = []
@@ -122,7 +137,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=TARGET)
     options = parser.parse_args()
     names = sorted(p.stem for p in (options.folder / "audio").glob("*.flac") if p.stem not in options.without)
-    takes = [take for name in names for take in takes_of(options.folder, options.cache, name)]
+    takes = [heard_right(take) for name in names for take in takes_of(options.folder, options.cache, name)]
     with tqdm(desc="learning") as bar:
 
         def progress(done: int, total: int, what: str) -> None:
