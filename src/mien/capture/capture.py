@@ -93,14 +93,15 @@ def capture_take(
     source : {"tracker", "optical"}
         A tracker on pictures all but guesses depth; optical markers measure it.
     head : Person, optional
-        The person, if known from other recordings (`mien.capture.fit_person`); else found in this one.
+        The person, if known from other recordings (`mien.capture.fit_person`); else found in this one. Markers of
+        theirs that this recording never shows are done without.
     priors : Priors, optional
         What is held against a solution.
 
     Raises
     ------
     InputError
-        If the array does not fit the layout, too few markers are seen, or the person has other markers.
+        If the array does not fit the layout, or too few of the person's markers are seen.
 
     Examples
     --------
@@ -113,14 +114,15 @@ def capture_take(
     track, layout = _given(take, layout, fps)
     if head is None:
         head = fit_person([track], layout, source)
-    missing = [name for name in head.markers if name not in track.names]
-    if missing:
-        raise InputError(f"capture: the recording lacks {len(missing)} markers of its person, first {missing[0]!r}")
-    positions, filled = _filled(track.positions[:, [track.names.index(name) for name in head.markers]], head.markers)
-    solved = Solver(head, priors).solve(positions, float(track.rate.fps))
+    place = {name: column for column, name in enumerate(track.names)}
+    there = np.asarray(np.isfinite(track.positions).all(axis=2).any(axis=0))
+    kept = [n for n, name in enumerate(head.markers) if name in place and there[place[name]]]
+    known = head if len(kept) == len(head.markers) else head.with_markers(kept)
+    positions, filled = _filled(track.positions[:, [place[name] for name in known.markers]], known.markers)
+    solved = Solver(known, priors).solve(positions, float(track.rate.fps))
     values = np.zeros((len(track), len(WEIGHTS)))
     values[:, [WEIGHTS.index(name) for name in head.channels]] = solved.weights
-    heard = head.region >= 0
+    heard = known.region >= 0
     away = (solved.missed[:, :, :2] ** 2).sum(axis=2)
     return Captured(
         channels=ChannelTrack(WEIGHTS, values, track.rate),
@@ -128,9 +130,9 @@ def capture_take(
         person=head,
         residual=np.sqrt(away[:, heard].mean(axis=1)),
         regions={
-            region.name: float(np.sqrt(away[:, head.region == number].mean()))
+            region.name: float(np.sqrt(away[:, known.region == number].mean()))
             for number, region in enumerate(knowledge().regions)
-            if (head.region == number).any()
+            if (known.region == number).any()
         },
         filled=filled,
     )
@@ -143,8 +145,10 @@ def _given(
         track = take
     elif isinstance(take, np.ndarray):
         track = _from_array(take, layout, fps)
-    else:
+    elif hasattr(take, "markers"):
         track, layout = take.markers, layout or take.layout
+    else:
+        raise InputError(f"capture: expected a take, a MarkerTrack or an array of markers, got {type(take).__name__}")
     if not layout:
         raise InputError("capture: expected the name of the markers' layout, such as 'mediapipe-218', got none")
     if not len(track):
@@ -158,6 +162,8 @@ def _from_array(array: Floats, layout: Layout | str | None, fps: float | str | F
     if layout is None or fps is None:
         raise InputError("capture: an array of markers needs layout= and fps=")
     known = load_layout(layout) if isinstance(layout, str) else layout
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"capture: expected numbers, got an array of {array.dtype}")
     if array.ndim != 3 or array.shape[1:] != (len(known.markers), 3):
         raise InputError(
             f"capture: expected (frames, {len(known.markers)} markers of {known.name}, 3), got {array.shape}"
@@ -180,10 +186,6 @@ def _filled(positions: Floats, names: tuple[str, ...]) -> tuple[Floats, float]:
     positions, times = positions.copy(), np.arange(len(positions))
     for marker in np.flatnonzero(missing.any(axis=0)):
         seen = ~missing[:, marker]
-        if not seen.any():
-            raise InputError(
-                f"capture: marker {names[marker]!r} is never seen in this recording, but its person has it"
-            )
         for axis in range(3):
             positions[:, marker, axis] = np.interp(times, times[seen], positions[seen, marker, axis])
     return positions, share

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -81,6 +81,32 @@ class Person:
     noise: Floats
     openings: tuple[Seen, ...]
 
+    def with_markers(self, kept: Sequence[int]) -> Person:
+        """The same person known by some of the markers (numbers) only.
+
+        Raises
+        ------
+        InputError
+            If too few of them are heard.
+        """
+        columns = list(kept)
+        heard = int((self.region[columns] >= 0).sum())
+        if heard < _FEWEST:
+            raise InputError(f"capture: {heard} markers of the person are seen in this recording, {_FEWEST} are needed")
+        others = np.ones(len(self.markers), dtype=bool)
+        others[columns] = False
+        return replace(
+            self,
+            markers=tuple(self.markers[column] for column in columns),
+            neutral=self.neutral[columns],
+            basis=self.basis[:, columns],
+            region=self.region[columns],
+            noise=self.noise[columns],
+            openings=tuple(
+                replace(seen, rows=seen.rows[columns]) for seen in self.openings if not seen.rows[others].any()
+            ),
+        )
+
 
 def fit_person(
     tracks: Sequence[MarkerTrack],
@@ -120,6 +146,8 @@ def fit_person(
     rest = neutral_markers(frames, names, layout) if neutral is None else np.asarray(neutral, dtype=np.float64)
     if rest.shape != (len(names), 3):
         raise InputError(f"capture: expected a neutral face of {len(names)} markers x 3, got {rest.shape}")
+    if np.nanmax(rest.max(axis=0) - rest.min(axis=0), initial=0.0) <= 0 and np.isfinite(rest).all():
+        raise InputError("capture: all markers of the neutral face lie in one place")
     region = knowledge().regions_at(layout.places[layout.index(names)])
     iris = {name for number, name in layout.landmarks.items() if number >= _IRIS}
     there = np.isfinite(frames).all(axis=2).mean(axis=0) >= _SEEN
@@ -210,12 +238,12 @@ def neutral_markers(frames: Floats, names: Sequence[str], layout: Layout) -> Flo
     if not seen.any():
         raise InputError("capture: no frame shows both lips: no neutral face can be found")
     step = np.full(len(frames), np.inf)
-    step[1:] = np.nanmean(np.linalg.norm(np.diff(frames, axis=0), axis=2), axis=1)
+    step[1:] = _median(np.linalg.norm(np.diff(frames, axis=0), axis=2), axis=1)
     shut = seen & (opening <= max(np.quantile(opening[seen], 0.15), opening[seen].min() + 0.2))
     still = shut & (step <= _median(step[shut]))
     chosen = frames[still if still.any() else shut]
     middle = _median(chosen, axis=0)
-    away = np.nanmean(np.linalg.norm(chosen - middle, axis=2), axis=1)
+    away = _median(np.linalg.norm(chosen - middle, axis=2), axis=1)
     near = chosen[away <= np.nanquantile(away, 0.5)]
     rest = _median(near, axis=0)
     upper_face = [place[name] for name in layout.groups["upper"] if name in place]
