@@ -267,3 +267,35 @@ def test_the_tracker_worker_runs_without_mien() -> None:
     assert "mien." not in text.replace("without mien.", "")
     done = subprocess.run([sys.executable, "-m", "py_compile", tracker_worker.__file__], check=False)
     assert done.returncode == 0
+
+
+def test_the_subject_in_front_of_c3d_labels_is_left_out(tmp_path: Path) -> None:
+    import ezc3d
+
+    path = made.write_c3d(tmp_path, "a")
+    plain = reader_named("c3d").read(reader_named("c3d").find(path)[0], load_recipe("c3d"))
+    file = ezc3d.c3d(str(path))
+    labels = file["parameters"]["POINT"]["LABELS"]["value"]
+    file["parameters"]["POINT"]["LABELS"]["value"] = [f"Subject:{label}" for label in labels]
+    file.write(str(path))
+    raw = reader_named("c3d").read(reader_named("c3d").find(path)[0], load_recipe("c3d"))
+    assert raw.markers.names == plain.markers.names
+    assert "begin with a subject" in " ".join(note.message for note in raw.notes)
+
+
+def test_a_c3d_file_that_crashes_the_library_is_one_line(tmp_path: Path) -> None:
+    path = made.write_c3d(tmp_path, "a")
+    whole = path.read_bytes()
+    start = (whole[0] - 1) * 512
+    rng = np.random.default_rng(0)
+    refused = 0
+    for _ in range(12):
+        damaged = bytearray(whole)
+        for place in rng.integers(4, 900, 20):
+            damaged[start + int(place)] = int(rng.integers(256))
+        path.write_bytes(damaged)
+        try:
+            reader_named("c3d").read(reader_named("c3d").find(path)[0], load_recipe("c3d"))
+        except InputError:
+            refused += 1
+    assert refused > 6

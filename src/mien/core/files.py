@@ -18,7 +18,7 @@ from pathlib import Path
 
 from mien.core.errors import OutputError
 
-__all__ = ["check_writable", "replace_when_complete"]
+__all__ = ["check_writable", "held_alone", "replace_when_complete"]
 
 _LONGEST_SUFFIX = 32
 """Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
@@ -89,6 +89,46 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
         raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
     finally:
         unfinished.unlink(missing_ok=True)
+        os.close(handle)
+
+
+@contextmanager
+def held_alone(path: str | Path, otherwise: str) -> Iterator[None]:
+    """Hold a lock file while something is written that two programs must not write at once.
+
+    The lock ends with the program, however that ends. Where the file system has no locks, nothing is held.
+
+    Parameters
+    ----------
+    path : path-like
+        Of the lock file; made, and removed at the end.
+    otherwise : str
+        What to say if another program holds it.
+
+    Raises
+    ------
+    OutputError
+        If another program holds it.
+    """
+    try:
+        import fcntl
+
+        handle = os.open(path, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except ImportError:
+        yield
+        return
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror}") from problem
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as problem:
+            raise OutputError(f"{otherwise}: wait until it has ended") from problem
+        except OSError:  # no locks here
+            pass
+        yield
+        Path(path).unlink(missing_ok=True)
+    finally:
         os.close(handle)
 
 

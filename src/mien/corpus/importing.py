@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from mien.core.errors import InputError, MienError, Note, OutputError
-from mien.core.files import replace_when_complete
+from mien.core.files import held_alone, replace_when_complete
 from mien.corpus.capturing import capture_corpus
 from mien.corpus.cheap_checks import cheap_faults
 from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
 from mien.corpus.import_preparation import Job, prepare_and_write
-from mien.corpus.readers import detect, reader_named
+from mien.corpus.readers import Found, detect, reader_named
 from mien.corpus.recipes import Recipe, load_recipe
-from mien.corpus.recordings import Corpus
+from mien.corpus.recordings import Corpus, digest_of
 from mien.corpus.transcripts import own_table, read_table
 from mien.corpus.workers import each
 from mien.text.languages import find_language
@@ -125,20 +125,46 @@ def import_corpus(
     takes = {name: recording for name, recording in takes.items() if name in facts}
     takes, hopeless = cheap_faults(takes, facts, source)  # before anything is tracked
     corpus = _created(folder, chosen)
+    with held_alone(folder / ".importing", f"another import is writing into {folder}"):
+        return _imported(
+            corpus, takes, facts, chosen, source, workers, cluster, progress, notes, [*failed, *strangers, *hopeless]
+        )
+
+
+def _imported(
+    corpus: Corpus,
+    takes: Mapping[str, Found],
+    facts: Mapping[str, Mapping[str, str]],
+    chosen: Recipe,
+    source: Path,
+    workers: int | None,
+    cluster: str | None,
+    progress: Progress | None,
+    notes: tuple[Note, ...],
+    failed: Sequence[Failure],
+) -> ImportReport:
     shared = references(takes, facts, chosen, corpus, apart=workers != 0)
     if corpus.about.get("layout") != shared.layout:
         corpus.describe(layout=shared.layout)
     jobs = jobs_for(takes, facts, chosen, shared.frames, corpus, source)
     journal = _journal(corpus)
     kept = [job.name for job in jobs if _is_done(job, corpus, journal)]
+    hurt = [job.name for job in jobs if job.name in corpus.entries and job.name not in set(kept)]
     waiting = [job for job in jobs if job.name not in set(kept)]
     imported, broken = _run(waiting, corpus, workers, cluster, progress, len(jobs))
-    failures = tuple(
-        sorted([*failed, *strangers, *hopeless, *shared.failed, *broken], key=lambda failure: failure.name)
-    )
+    failures = tuple(sorted([*failed, *shared.failed, *broken], key=lambda failure: failure.name))
     _finish(corpus, failures)
+    notes += _told_of(hurt, set(imported))
     notes += _captured(corpus, workers, cluster)
     return ImportReport(corpus, tuple(sorted(imported)), tuple(sorted(kept)), failures, notes)
+
+
+def _told_of(hurt: Sequence[str], imported: set[str]) -> tuple[Note, ...]:
+    again = [name for name in hurt if name in imported]
+    if not again:
+        return ()
+    names = ", ".join(again[:5]) + (" ..." if len(again) > 5 else "")
+    return (Note("note", f"{len(again)} takes were changed, damaged or gone, and are made again: {names}"),)
 
 
 def _recipe(source: Path, recipe: str | Recipe | None) -> Recipe:
@@ -178,7 +204,15 @@ def _is_done(job: Job, corpus: Corpus, journal: Mapping[str, Mapping[str, Any]])
     entry = journal.get(job.name) or corpus.entries.get(job.name)
     if entry is None or entry["source"].get("fingerprint") != job.fingerprint:
         return False
-    return all(path.exists() for path in corpus.files_of(job.name))
+    return _is_whole(job.name, corpus)
+
+
+def _is_whole(name: str, corpus: Corpus) -> bool:
+    """Whether a take reads, and holds what was written."""
+    try:
+        return digest_of(corpus.take(name)) == str(corpus.entries[name]["digest"])
+    except InputError:
+        return False
 
 
 def _run(

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from mien.core.border import reading
+from mien.core.border import guarded, reading
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.limits import check_size
 from mien.core.plain_text import read_plain_text
@@ -46,6 +46,7 @@ class Transcript:
     notes: tuple[Note, ...] = ()
 
 
+@guarded("a transcript")
 def read_transcript(path: Path) -> Transcript:
     """Read a ``.txt``, ``.lab``, ``.align`` or ``.TextGrid``.
 

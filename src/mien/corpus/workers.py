@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import multiprocessing
 import multiprocessing.connection
 import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
@@ -142,16 +143,25 @@ def _on_cluster(
         raise InputError(
             f"no Dask scheduler answers at {address!r} ({problem}); give it as tcp://HOST:PORT"
         ) from problem
-    return _collected(distributed, client, function, jobs)
+    return _collected(distributed, client, function, jobs, address)
 
 
 def _collected(
-    distributed: Any, client: Any, function: Callable[[Job], Result], jobs: Sequence[Job]
+    distributed: Any, client: Any, function: Callable[[Job], Result], jobs: Sequence[Job], address: str
 ) -> Iterator[tuple[Job, Result | BaseException]]:
-    with client:
-        futures = client.map(function, list(jobs), pure=False, retries=0)
-        job_of = {future.key: job for future, job in zip(futures, jobs, strict=True)}
-        for future in distributed.as_completed(futures):
-            problem = future.exception()
-            yield job_of[future.key], problem if problem is not None else future.result()
-            future.release()
+    done = 0
+    try:
+        with client:
+            futures = client.map(function, list(jobs), pure=False, retries=0)
+            job_of = {future.key: job for future, job in zip(futures, jobs, strict=True)}
+            for future in distributed.as_completed(futures):
+                problem = future.exception()
+                result = problem if problem is not None else future.result()
+                yield job_of[future.key], result
+                done += 1
+                future.release()
+    except (OSError, TimeoutError, asyncio.CancelledError, CancelledError, RuntimeError) as problem:
+        raise InputError(
+            f"the Dask scheduler at {address} was lost after {done} of {len(jobs)} jobs "
+            f"({type(problem).__name__}): start it and run the same command again, it goes on where it stopped"
+        ) from problem

@@ -6,8 +6,13 @@ with a negative residual, or exactly at the origin, was not seen.
 
 from __future__ import annotations
 
+import json
 import re
 import struct
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +21,10 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
+from mien.core.limits import load_arrays
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
+from mien.corpus.readers import c3d_worker
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 from mien.corpus.readers.recording_files import found_by_suffix, has_suffix
 from mien.corpus.recipes import Recipe
@@ -38,16 +45,19 @@ def _find(source: Path) -> list[Found]:
 def _read(found: Found, recipe: Recipe) -> Raw:
     path = found.motion
     content = _opened(path)
-    labels = [str(label).strip() for label in _value(content, "POINT", "LABELS", [])]
+    labels = [str(label).strip() for label in content.value("POINT:LABELS", [])]
     points, rate = _points(path, content, len(labels)), _rate(path, content, recipe)
     keep = [i for i, label in enumerate(labels) if label and not label.startswith("*")]
     notes = []
     if len(keep) < len(labels):
         notes.append(Note("note", f"{path.name}: {len(labels) - len(keep)} points without a name are left out"))
-    names = [recipe.rename.get(labels[i], labels[i]) for i in keep]
+    bare = _without_subject([labels[i] for i in keep])
+    if bare and bare[0] != labels[keep[0]]:
+        notes.append(Note("note", f"{path.name}: the names of its points begin with a subject's: left out"))
+    names = [recipe.rename.get(labels[i], recipe.rename.get(name, name)) for i, name in zip(keep, bare, strict=True)]
     units = recipe.units
     if units == "auto":
-        stated = [str(unit).strip().lower() for unit in _value(content, "POINT", "UNITS", [])]
+        stated = [str(unit).strip().lower() for unit in content.value("POINT:UNITS", [])]
         units = _UNITS.get(stated[0], "") if stated else ""
     try:
         track = MarkerTrack(names, points[:, keep], rate)
@@ -57,28 +67,54 @@ def _read(found: Found, recipe: Recipe) -> Raw:
     return Raw(track, units, audio, notes=(*notes, *more))
 
 
-def _opened(path: Path) -> Any:
-    import ezc3d
+def _without_subject(labels: list[str]) -> list[str]:
+    """Names without what all of them begin with up to a colon, as Vicon writes subjects; several subjects stay apart.
 
+    Examples
+    --------
+    >>> _without_subject(["Anna:LBRO", "Anna:RBRO"]), _without_subject(["Anna:LBRO", "Ben:LBRO"])
+    (['LBRO', 'RBRO'], ['Anna:LBRO', 'Ben:LBRO'])
+    """
+    heads = {label.rpartition(":")[0] for label in labels}
+    bare = [label.rpartition(":")[2] for label in labels]
+    whole = len(heads) == 1 and all(bare) and len(set(bare)) == len(bare)
+    return bare if whole else labels
+
+
+@dataclass(frozen=True)
+class _Content:
+    """What a C3D file holds: arrays as the library gives them, and parameters by ``GROUP:NAME``."""
+
+    points: NDArray[np.float64]
+    residuals: NDArray[np.float64]
+    analogs: NDArray[np.float64]
+    facts: dict[str, list[Any]]
+
+    def value(self, name: str, default: list[Any]) -> list[Any]:
+        """A parameter."""
+        return self.facts.get(name, default)
+
+
+def _opened(path: Path) -> _Content:
+    """Read by the library, in a process of its own."""
     if path.stat().st_size < 1024:
         raise InputError(f"{path}: {path.stat().st_size} bytes are too few for a C3D file: is it cut short?")
-    try:
-        return ezc3d.c3d(str(path))
-    except (OSError, RuntimeError, ValueError, IndexError) as problem:
-        reason = str(problem).split(". If")[0]
-        raise InputError(f"{path}: cannot be read as C3D ({reason}): is it cut short, or of another kind?") from problem
+    with tempfile.TemporaryDirectory(prefix="mien-") as folder:
+        out = Path(folder) / "c3d.npz"
+        command = [sys.executable, str(Path(c3d_worker.__file__)), str(path), str(out)]
+        done = subprocess.run(command, capture_output=True, check=False)
+        if done.returncode or not out.exists():
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            reason = "it ends the program that reads it" if done.returncode < 0 else lines[-1][:200] if lines else ""
+            raise InputError(f"{path}: cannot be read as C3D ({reason}): is it cut short, or of another kind?")
+        arrays = load_arrays(out, path)
+    facts = json.loads(arrays["facts"].tobytes())
+    return _Content(arrays["points"], arrays["residuals"], arrays["analogs"], facts)
 
 
-def _value(content: Any, group: str, name: str, default: Any) -> Any:
-    parameters = content["parameters"]
-    if group not in parameters or name not in parameters[group]:
-        return default
-    return parameters[group][name]["value"]
-
-
-def _points(path: Path, content: Any, labels: int) -> NDArray[np.float64]:
+def _points(path: Path, content: _Content, labels: int) -> NDArray[np.float64]:
     """Positions, shape (frames, points, 3), NaN where unseen."""
-    points: NDArray[np.float64] = np.asarray(content["data"]["points"], dtype=np.float64)
+    points: NDArray[np.float64] = content.points
     promised = _promised_frames(path)
     if points.shape[1] == 0 or points.shape[2] == 0:
         raise InputError(f"{path}: holds no marker motion ({points.shape[1]} points, {points.shape[2]} frames)")
@@ -89,7 +125,7 @@ def _points(path: Path, content: Any, labels: int) -> NDArray[np.float64]:
     if labels != points.shape[1]:
         raise InputError(f"{path}: {points.shape[1]} points but {labels} names (POINT:LABELS): is it damaged?")
     positions = points[:3].transpose(2, 1, 0).copy()
-    residuals = np.asarray(content["data"]["meta_points"]["residuals"])[0].T
+    residuals = content.residuals[0].T
     positions[(residuals < 0) | (positions == 0).all(axis=2)] = np.nan
     return positions
 
@@ -102,24 +138,24 @@ def _promised_frames(path: Path) -> int:
     return int(last - first + 1)
 
 
-def _rate(path: Path, content: Any, recipe: Recipe) -> FrameRate:
-    stated = _value(content, "POINT", "RATE", [0.0])
+def _rate(path: Path, content: _Content, recipe: Recipe) -> FrameRate:
+    stated = content.value("POINT:RATE", [0.0])
     rate = recipe.fps or (float(stated[0]) if len(stated) else 0.0)
     if not rate > 0:
         raise InputError(f"{path}: its frame rate (POINT:RATE) is {rate:g}; give fps in a recipe")
     return FrameRate.of(round(rate, 4))
 
 
-def _analog_sound(content: Any) -> Audio | None:
+def _analog_sound(content: _Content) -> Audio | None:
     """The analog channel that carries sound: by its label, or the only one, if sampled fast enough."""
-    stated = _value(content, "ANALOG", "RATE", [0.0])
+    stated = content.value("ANALOG:RATE", [0.0])
     rate = float(stated[0]) if len(stated) else 0.0
-    labels = [str(label) for label in _value(content, "ANALOG", "LABELS", [])]
+    labels = [str(label) for label in content.value("ANALOG:LABELS", [])]
     named = [i for i, label in enumerate(labels) if _SOUND_LABEL.search(label)]
     channels = named or ([0] if len(labels) == 1 else [])
     if rate < SPEECH_RATE or not channels:
         return None
-    samples = np.nan_to_num(np.asarray(content["data"]["analogs"], dtype=np.float64)[0, channels[0]])
+    samples = np.nan_to_num(content.analogs[0, channels[0]])
     peak = float(np.abs(samples).max(initial=0.0))
     return Audio(samples / peak * 0.9 if peak > 1.0 else samples, round(rate))  # volts of any range
 
