@@ -34,7 +34,7 @@ from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
 from mien.cli.help_page import help_page, options_of, with_suggestion
-from mien.cli.progress import progress_bar
+from mien.cli.progress import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
@@ -287,7 +287,8 @@ def _say(options: argparse.Namespace) -> int:
     text = sys.stdin.read() if options.text == "-" else text_or_file(options.text or "")
     if options.script is not None:
         text = Path(options.script)
-    animation = api.say(text, voice=options.voice, voice_emotion=options.voice_emotion, **_asked(options))
+    with telling(options.quiet):
+        animation = api.say(text, voice=options.voice, voice_emotion=options.voice_emotion, **_asked(options))
     return _finish(animation, face, options)
 
 
@@ -300,7 +301,8 @@ def _animate(options: argparse.Namespace) -> int:
     if options.text is not None and options.script is not None:
         raise InputError("--text and --script both say what is spoken: give one of them")
     text = Path(options.script) if options.script is not None else options.text
-    animation = api.animate(options.audio, text=text, song=options.song, tiers=_tiers(options), **_asked(options))
+    with telling(options.quiet):
+        animation = api.animate(options.audio, text=text, song=options.song, tiers=_tiers(options), **_asked(options))
     return _finish(animation, face, options)
 
 

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
-__all__ = ["progress_bar"]
+from mien.core.progress import listening
+
+__all__ = ["progress_bar", "telling"]
+
+_SECONDS_BETWEEN_LINES = 10.0
 
 
 @contextmanager
@@ -33,3 +38,47 @@ def progress_bar(what: str, unit: str, quiet: bool = False) -> Iterator[Callable
             bar.update(done - bar.n)
 
         yield show
+
+
+@contextmanager
+def telling(quiet: bool = False) -> Iterator[None]:
+    """Show how far what `mien.core.progress` tells has come: a bar on a terminal, else a line now and then."""
+    if quiet:
+        yield
+        return
+    if sys.stderr.isatty():
+        with _Bars() as bars, listening(bars.show):
+            yield
+        return
+    last = time.monotonic()
+
+    def log(what: str, done: int, total: int) -> None:
+        nonlocal last
+        if time.monotonic() - last >= _SECONDS_BETWEEN_LINES:
+            print(f"mien: {what}: {done} of {total}", file=sys.stderr, flush=True)
+            last = time.monotonic()
+
+    with listening(log):
+        yield
+
+
+class _Bars:
+    """One bar at a time, made when something tells that takes more than one step."""
+
+    def __init__(self) -> None:
+        self._what, self._stack = "", ExitStack()
+
+    def __enter__(self) -> _Bars:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def show(self, what: str, done: int, total: int) -> None:
+        """Move the bar, or begin another."""
+        if total < 2:
+            return
+        if what != self._what:
+            self._stack.close()
+            self._what, self._bar = what, self._stack.enter_context(progress_bar(what, " parts"))
+        self._bar(done, total)

@@ -6,6 +6,8 @@ import argparse
 import sys
 from typing import Any
 
+from mien.cli.progress import progress_bar
+
 __all__ = ["add_commands"]
 
 
@@ -87,16 +89,17 @@ def _batch(options: argparse.Namespace) -> int:
 
 
 def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[str], picture: bool) -> int:
-    from tqdm import tqdm
-
     from mien.api.stimuli import make_stimuli
 
-    hidden = options.quiet or not sys.stderr.isatty()
-    with tqdm(unit=" stimuli", total=len(stimuli), leave=False, disable=hidden) as bar:
+    logged, done = not options.quiet and not sys.stderr.isatty(), 0
 
-        def progress(done: int, total: int) -> None:
-            bar.update(done - bar.n)
+    def finished(name: str, reason: str) -> None:
+        nonlocal done
+        done += 1
+        if logged and not reason:  # what failed is told below
+            print(f"mien: {name}: made ({done} of {len(stimuli)})", file=sys.stderr, flush=True)
 
+    with progress_bar("making", " stimuli", options.quiet) as progress:
         report = make_stimuli(
             stimuli,
             options.output,
@@ -106,6 +109,7 @@ def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[s
             workers=options.workers,
             cluster=options.cluster,
             progress=progress,
+            finished=finished,
         )
     for name, reason in report.failed:
         print(f"mien: error: {name}: {reason}", file=sys.stderr)

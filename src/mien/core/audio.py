@@ -15,6 +15,7 @@ __all__ = ["MAX_RATE", "MIN_RATE", "Audio"]
 
 MIN_RATE, MAX_RATE = 1000, 384_000
 _STEP = 2.0**-23
+_BLOCK = 2**20
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +41,20 @@ class Audio:
     rate: int
 
     def __init__(self, samples: ArrayLike, rate: int) -> None:
-        array = np.asarray(samples, dtype=np.float64)
+        array = np.asarray(samples)
+        if array.dtype != np.float32:
+            array = array.astype(np.float64, copy=False)
         if array.ndim != 1:
             raise InputError(f"sound has one channel here, got an array of shape {array.shape}")
         if not MIN_RATE <= rate <= MAX_RATE:
             raise InputError(f"a sample rate lies between {MIN_RATE} and {MAX_RATE} Hz, not {rate}")
-        if not np.isfinite(array).all():
-            raise InputError(f"sound holds numbers that are not finite, first at sample {_first_bad(array)}")
-        grid = np.clip(np.round(array / _STEP) * _STEP, -1.0, 1.0 - _STEP).astype(np.float32)
+        grid = np.empty(len(array), dtype=np.float32)
+        for start in range(0, len(array), _BLOCK):  # an hour at once would need a gigabyte besides
+            block = array[start : start + _BLOCK].astype(np.float64)
+            if not np.isfinite(block).all():
+                bad = start + _first_bad(block)
+                raise InputError(f"sound holds numbers that are not finite, first at sample {bad}")
+            grid[start : start + _BLOCK] = np.clip(np.round(block / _STEP) * _STEP, -1.0, 1.0 - _STEP)
         grid.setflags(write=False)
         object.__setattr__(self, "samples", grid)
         object.__setattr__(self, "rate", int(rate))
@@ -89,8 +96,9 @@ class Audio:
         window = max(1, self.rate // 50)
         blocks = len(self.samples) // window
         body = self.samples[: blocks * window].reshape(blocks, window) if blocks else self.samples[None, :]
-        power = (body.astype(np.float64) ** 2).mean(axis=1) if body.size else np.zeros(1)
-        return bool(np.sqrt(power.max()) < 10 ** (threshold_db / 20))
+        stretches = (body[start : start + 1000] for start in range(0, len(body), 1000))
+        power = max(((s.astype(np.float64) ** 2).mean(axis=1).max() if s.size else 0.0 for s in stretches), default=0.0)
+        return bool(np.sqrt(power) < 10 ** (threshold_db / 20))
 
     def write(self, path: str | Path) -> None:
         """Write to a lossless file; the suffix (.wav or .flac) picks the format. 24 bit."""

@@ -22,6 +22,7 @@ __all__ = ["RATE", "DecodedPhone", "DecodedWord", "DecoderError", "Piece", "deco
 RATE = 16_000
 """Samples per second that the acoustic model was made for."""
 _COMMAND = [sys.executable, "-m", "mien.speech.decoder_worker"]
+_BLOCK = 2**20
 _SECONDS_TO_START = 30.0
 _SECONDS_PER_SECOND = 8.0
 _FILLERS = ("<sil>", "<s>", "</s>", "[NOISE]", "[SPEECH]", "(NULL)")
@@ -64,7 +65,11 @@ class DecodedWord:
 
 def pcm16(audio: Audio) -> NDArray[np.int16]:
     """The sound as the decoder takes it: 16 kHz, 16 bit."""
-    return np.round(audio.resampled(RATE).samples.astype(np.float64) * 32767).astype(np.int16)
+    samples = audio.resampled(RATE).samples
+    found = np.empty(len(samples), dtype=np.int16)
+    for start in range(0, len(samples), _BLOCK):
+        found[start : start + _BLOCK] = np.round(samples[start : start + _BLOCK].astype(np.float64) * 32767)
+    return found
 
 
 def decode(

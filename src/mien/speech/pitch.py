@@ -29,6 +29,7 @@ QUIETEST = -120.0
 _RATE, _HOP = 16_000, 256
 _LOWEST, _HIGHEST = 46.875, 2093.75
 _VOICED = 0.5
+_FRAMES_AT_ONCE = 2000
 _PEAK, _MOST_GAIN = 0.5, 100.0
 
 
@@ -171,10 +172,15 @@ def level_contour(audio: Audio, step: float = 0.016, window: float = 0.032) -> L
         raise InputError(f"a step and a window are longer than 0 s, not {step:g} and {window:g}")
     frames = max(1, int(np.floor(audio.duration / step + 1e-9)))
     times = step * np.arange(frames, dtype=np.float64)
-    total = np.concatenate(([0.0], np.cumsum(audio.samples.astype(np.float64) ** 2)))
     first = np.clip(np.round((times - window / 2) * audio.rate).astype(int), 0, len(audio))
     after = np.clip(np.round((times + window / 2) * audio.rate).astype(int), 0, len(audio))
-    power = (total[after] - total[first]) / np.maximum(after - first, 1)
+    energy = np.empty(frames)
+    for start in range(0, frames, _FRAMES_AT_ONCE):
+        here = slice(start, start + _FRAMES_AT_ONCE)
+        begin = first[here][0]
+        total = np.concatenate(([0.0], np.cumsum(audio.samples[begin : after[here][-1]].astype(np.float64) ** 2)))
+        energy[here] = total[after[here] - begin] - total[first[here] - begin]
+    power = energy / np.maximum(after - first, 1)
     return LevelContour(times, 10 * np.log10(np.maximum(power, 10 ** (QUIETEST / 10))))
 
 

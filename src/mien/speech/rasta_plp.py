@@ -94,7 +94,7 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
     >>> rasta_plp(tone).values.shape
     (101, 9)
     """
-    energies = _band_energies(audio.resampled(RATE).samples.astype(np.float64))
+    energies = _band_energies(audio.resampled(RATE).samples)
     logs = np.log(energies)
     if rasta:
         logs = _filtered(logs)
@@ -104,7 +104,7 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
     return RastaPLP(cepstrum_of(poles, gain))
 
 
-def _band_energies(samples: Floats) -> Floats:
+def _band_energies(samples: NDArray[np.float32]) -> Floats:
     """Energy in each critical band, shape (frames, bands), never 0."""
     width, hop = round(WINDOW * RATE), round(STEP * RATE)
     half, mode = width // 2, "reflect" if len(samples) > width else "constant"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -58,9 +59,13 @@ def stressed_words(utterance: Utterance) -> tuple[StressedWord, ...]:
     pitch, level = pitch_contour(utterance.audio), level_contour(utterance.audio)
     semitones = pitch.semitones(100.0)
     found = []
+    phones = utterance.phones.intervals
+    middles = [phone.middle for phone in phones]
     for word, mark in zip(utterance.words, _marks(utterance), strict=True):
-        vowel = _stressed_vowel(word, utterance)
-        inside = semitones[(pitch.times >= vowel.start) & (pitch.times <= vowel.end)]
+        inside_word = phones[bisect_left(middles, word.start) : bisect_left(middles, word.end)]
+        vowel = _stressed_vowel(word, inside_word, utterance.language)
+        first, after = np.searchsorted(pitch.times, vowel.start), np.searchsorted(pitch.times, vowel.end, "right")
+        inside = semitones[first:after]
         inside = inside[np.isfinite(inside)]
         top = float(np.percentile(inside, 90)) if len(inside) else float("nan")
         loud = float(level.decibels_at(np.linspace(vowel.start, vowel.end, 5)).max())
@@ -69,13 +74,12 @@ def stressed_words(utterance: Utterance) -> tuple[StressedWord, ...]:
     return tuple(found)
 
 
-def _stressed_vowel(word: Interval, utterance: Utterance) -> Interval:
-    phones = [phone for phone in utterance.phones if word.start <= phone.middle < word.end]
+def _stressed_vowel(word: Interval, phones: Sequence[Interval], tag: str) -> Interval:
     vowels = [phone for phone in phones if is_vowel(phone.label)]
     if not vowels:
         return word
-    language = find_language(utterance.language) if _is_known(utterance.language) else None
-    if utterance.language.lower().startswith("en"):
+    language = find_language(tag) if _is_known(tag) else None
+    if tag.lower().startswith("en"):
         degrees = stress_of(word.label.rstrip("."), tuple(phone.label for phone in phones))
         place = degrees.find("1") if len(degrees) == len(vowels) else 0
         return vowels[max(place, 0)]

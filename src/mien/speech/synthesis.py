@@ -10,6 +10,7 @@ from typing import Literal
 
 from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, Note
+from mien.core.progress import tell
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align_words, tiers
@@ -130,7 +131,7 @@ def _align_by_sentence(
     """Align stretches of whole sentences one by one: where they part is known, so nothing can slip across."""
     audio, found = speech.audio, list[AlignedPhone]()
     cuts = _cuts(speech, len(words))
-    for here, there in pairwise(cuts):
+    for number, (here, there) in enumerate(pairwise(cuts), start=1):
         first, last = round(here.seconds * audio.rate), round(there.seconds * audio.rate)
         stretch = Audio(audio.samples[first:last], audio.rate)
         inside = slice(here.words, there.words)
@@ -140,6 +141,7 @@ def _align_by_sentence(
             if phone.label == PAUSE and found and found[-1].label == PAUSE:
                 start = found.pop().start
             found.append(replace(phone, start=start, end=end, word=word))
+        tell("finding the times", number, len(cuts) - 1)
     return found
 
 

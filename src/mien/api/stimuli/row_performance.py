@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -11,6 +13,8 @@ from mien.animation.animation import Animation
 from mien.api.stimuli.design import Stimulus
 from mien.core.audio import Audio
 from mien.core.errors import InputError
+from mien.motion.performer import Performer
+from mien.motion.performers import load_performer
 
 __all__ = ["performed"]
 
@@ -29,7 +33,7 @@ def performed(stimulus: Stimulus) -> tuple[Animation, Animation]:
         lead = f'<pause ms="{before}"/>' if before else ""
         tail = f'<pause ms="{after}"/>' if after else ""
         spoken = f"{lead}{_directed(stimulus, text)}{tail}"
-        return api.say(spoken, emotion=emotion, effort=effort, performer=stimulus.performer, **options)  # type: ignore[arg-type]
+        return api.say(spoken, emotion=emotion, effort=effort, performer=_performer(stimulus.performer), **options)  # type: ignore[arg-type]
 
     shift = stimulus.offset_ms
     before = _EDGE + -shift if shift < 0 else 0.0
@@ -43,6 +47,17 @@ def performed(stimulus: Stimulus) -> tuple[Animation, Animation]:
         last = max((word.end for word in seen.utterance.words), default=0.0)
         seen = say(stimulus.sentence, before, 1000 * (seen.utterance.duration - last + longer))
     return _with_sound(seen, heard.utterance.audio, shift), heard
+
+
+def _performer(name: str) -> Performer:
+    path = Path(name)
+    changed = path.stat().st_mtime_ns if path.is_file() else 0
+    return _read_performer(name, changed)
+
+
+@lru_cache(maxsize=2)
+def _read_performer(name: str, _changed: int) -> Performer:
+    return load_performer(name)
 
 
 def _directed(stimulus: Stimulus, text: str) -> str:

@@ -69,6 +69,7 @@ def make_stimuli(
     workers: int | None = None,
     cluster: str | None = None,
     progress: Callable[[int, int], None] | None = None,
+    finished: Callable[[str, str], None] | None = None,
 ) -> StimuliReport:
     """Make all stimuli of a design, or go on where a run was stopped.
 
@@ -89,6 +90,8 @@ def make_stimuli(
     workers, cluster
         As in `mien.corpus.workers.each`.
     progress : callable (done, total), optional
+    finished : callable (name, reason), optional
+        Called when a stimulus is done; the reason is empty unless it failed.
 
     Raises
     ------
@@ -116,6 +119,8 @@ def make_stimuli(
         else:
             made.append(job.stimulus.name)
             facts[job.stimulus.name] = result
+        if finished is not None:
+            finished(job.stimulus.name, failed[-1][1] if isinstance(result, BaseException) else "")
         if progress is not None:
             progress(len(facts) + len(failed), len(stimuli))
     there = [stimulus for stimulus in stimuli if stimulus.name in facts]

@@ -7,6 +7,7 @@ changes how long eyes stay, how far they go and where (`mien.motion.alive.manner
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Any
 
@@ -141,4 +142,7 @@ def _held(mean_and_spread: list[float], random: np.random.Generator, longer: flo
 
 def _speaks(utterance: Utterance, moment: float) -> bool:
     """Whether speech is on at a moment, pauses shorter than a second included."""
-    return any(p.label != PAUSE and p.start - 0.5 <= moment < p.end + 0.5 for p in utterance.phones)
+    phones = utterance.phones.intervals
+    first = bisect_right(phones, moment - 0.5, key=lambda phone: phone.end)
+    after = bisect_right(phones, moment + 0.5, key=lambda phone: phone.start)
+    return any(phone.label != PAUSE for phone in phones[first:after])

@@ -8,6 +8,7 @@ at every frame rate.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -25,6 +26,7 @@ from mien.speech.stressed_vowels import StressedWord, stressed_words
 __all__ = ["DEFAULT_STRENGTH", "Accent", "AuthoredProsody"]
 
 Floats = NDArray[np.float64]
+_REACH = 10.0  # seconds: longer than any gesture of the table
 
 DEFAULT_STRENGTH = 0.5
 """Chosen by looking: seen if one looks for it."""
@@ -74,18 +76,21 @@ class AuthoredProsody:
         words = stressed_words(utterance)
         brow, pitch, roll = np.zeros(len(times)), np.zeros(len(times)), np.zeros(len(times))
         for accent in self.accents(words):
-            chance = random.random(2)
-            brow = np.maximum(brow, self._raised(times, accent, chance[0]))
-            pitch += self._nod(times, accent, chance[1])
+            chance, near = random.random(2), _near(times, accent.start, accent.end)
+            brow[near] = np.maximum(brow[near], self._raised(times[near], accent, chance[0]))
+            pitch[near] += self._nod(times[near], accent, chance[1])
         for last, nxt in zip(words, [*words[1:], None], strict=True):
             pause = (nxt.start if nxt else utterance.duration + 1.0) - last.end
             if pause >= self._table["end"]["shortest_pause"]:
+                near = _near(times, last.start, last.end)
                 side = 1.0 if random.random() < 0.5 else -1.0
                 if last.mark == "?":
-                    raised, up, tipped = self._question(times, last, side)
-                    brow, pitch, roll = np.maximum(brow, raised), pitch + up, roll + tipped
+                    raised, up, tipped = self._question(times[near], last, side)
+                    brow[near] = np.maximum(brow[near], raised)
+                    pitch[near] += up
+                    roll[near] += tipped
                 else:
-                    pitch -= self._sinking(times, last)
+                    pitch[near] -= self._sinking(times[near], last)
         values += brow[:, None] * self._brow
         values[:, _PITCH], values[:, _ROLL] = pitch, roll
         turned = pitch / self._table["eyes"]["degrees"]
@@ -101,11 +106,12 @@ class AuthoredProsody:
             for word, value in zip(words, self.prominences(words), strict=True)
             if value >= rule["least"]
         ]
-        kept: list[Accent] = []
+        kept: list[Accent] = []  # in order of time
         for accent in sorted(found, key=lambda accent: -accent.prominence):
-            if all(abs(accent.start - other.start) >= rule["apart"] for other in kept):
-                kept.append(accent)
-        return sorted(kept, key=lambda accent: accent.start)
+            place = bisect_left(kept, accent.start, key=lambda other: other.start)
+            if all(abs(accent.start - other.start) >= rule["apart"] for other in kept[max(0, place - 1) : place + 1]):
+                kept.insert(place, accent)
+        return kept
 
     def prominences(self, words: Sequence[StressedWord]) -> Floats:
         """How far the stressed syllable of each word stands out of the phrase about it, shape (words,)."""
@@ -116,14 +122,13 @@ class AuthoredProsody:
             "pitch": np.array([word.pitch for word in words]),
             "level": np.array([word.level for word in words]),
         }
+        phrase = (
+            np.searchsorted(middles, middles - rule["about"]),
+            np.searchsorted(middles, middles + rule["about"], "right"),
+        )
         value = rule["length"] * np.clip((lengths - np.median(lengths)) / rule["length_unit"], -1.5, 2)
         for name, column in columns.items():
-            about = np.array([
-                np.nanmedian(column[np.abs(middles - middle) <= rule["about"]])
-                if np.isfinite(column[np.abs(middles - middle) <= rule["about"]]).any()
-                else np.nan
-                for middle in middles
-            ])  # fmt: skip
+            about = np.array([_median(column[first:after]) for first, after in zip(*phrase, strict=True)])
             over = np.nan_to_num((column - about) / rule[f"{name}_unit"])
             value += rule[name] * np.clip(over, -1.5, 2)
         value += rule["weak_word"] * np.array([word.weak for word in words])
@@ -161,6 +166,17 @@ class AuthoredProsody:
     @property
     def _least(self) -> float:
         return float(self._table["prominence"]["least"])
+
+
+def _median(values: Floats) -> float:
+    """Of what is known of them; NaN if nothing is."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
+def _near(times: Floats, start: float, end: float) -> slice:
+    """The frames about a stretch: nothing that is done to it reaches farther, and a long line has many of them."""
+    return slice(*np.searchsorted(times, [start - _REACH, end + _REACH]).tolist())
 
 
 def _between(pair: Any, prominence: float, least: float) -> float:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.progress import tell
 from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts
 from mien.speech.voices.sentences import Sentence, shorter_than
 from mien.speech.voices.sound_joining import Piece, join_pieces
@@ -69,7 +70,11 @@ class Kokoro(Voice):
         # The network holds no chance, so the seed changes nothing.
         settings = letter_table("kokoro")
         limit = settings["longest"]
-        pieces = [self._speak_piece(piece) for sentence in sentences for piece in shorter_than(limit, sentence)]
+        asked = [piece for sentence in sentences for piece in shorter_than(limit, sentence)]
+        pieces = []
+        for piece in asked:
+            pieces.append(self._speak_piece(piece))
+            tell("speaking", len(pieces), len(asked))
         return join_pieces(pieces, settings["sample_rate"])
 
     def _speak_piece(self, sentence: Sentence) -> Piece:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from importlib.resources.abc import Traversable
 from importlib.util import find_spec
@@ -83,7 +84,7 @@ def open_parts(parts: Sequence[Path], whose: str, output: str) -> onnxruntime.In
 
 
 def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxruntime.InferenceSession:
-    """Open a model for running on two threads.
+    """Open a model for running on two threads, or on one where ``OMP_NUM_THREADS`` says so: the same bits.
 
     Parameters
     ----------
@@ -103,7 +104,7 @@ def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxr
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = _THREADS
+    options.intra_op_num_threads = min(_THREADS, _threads_left())
     options.inter_op_num_threads = 1
     options.log_severity_level = _ERRORS_ONLY
     # Idle threads sleep: spinning ones take the processor from the rest of the work on a small machine.
@@ -116,6 +117,12 @@ def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxr
     except _kinds_of_failure() as problem:
         reason = str(problem).splitlines()[0][:120]
         raise MissingPartError(f"the network of the voice {whose} does not open ({reason}): reinstall it") from problem
+
+
+def _threads_left() -> int:
+    """What ``OMP_NUM_THREADS`` allows: one in a worker that shares the cores with others."""
+    given = os.environ.get("OMP_NUM_THREADS", "")
+    return int(given) if given.isdigit() and int(given) else _THREADS
 
 
 def _kinds_of_failure() -> tuple[type[Exception], ...]:

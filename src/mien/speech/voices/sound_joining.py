@@ -48,20 +48,22 @@ class Piece:
 
 def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
     """Put sentences one after another: silence at both ends trimmed to 0.2 s, pauses by punctuation, peak -3 dBFS."""
-    sound: list[NDArray[np.float64]] = [np.zeros(round(_EDGE_SECONDS * rate))]
+    sound: list[NDArray[np.floating]] = [np.zeros(round(_EDGE_SECONDS * rate), dtype=np.float32)]
+    length = len(sound[0])
     phones: list[Interval] = []
     words: list[Interval] = []
     breaks: list[Break] = []
     for number, piece in enumerate(pieces):
         samples, first = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
-        shift = sum(map(len, sound)) / rate - first / rate
+        shift = length / rate - first / rate
         low, high = shift + first / rate, shift + (first + len(samples)) / rate
         phones += _moved(piece.phones, shift, low, high)
         words += _moved(piece.words, shift, low, high)
-        sound.append(samples)
+        sound.append(samples.astype(np.float32))  # what the engines gave: a long text is kept as it came
         last = number == len(pieces) - 1
         pause = _EDGE_SECONDS if last else _PAUSE_SECONDS[piece.sentence.mark]
-        sound.append(np.zeros(round(pause * rate)))
+        sound.append(np.zeros(round(pause * rate), dtype=np.float32))
+        length += len(samples) + len(sound[-1])
         said = len(piece.sentence.words) + (breaks[-1].words if breaks else 0)
         breaks.append(Break(high + pause / 2, said))
     audio = Audio(_levelled(np.concatenate(sound)), rate)
@@ -113,7 +115,10 @@ def _append(phones: list[Interval], phone: Interval) -> None:
         phones.append(phone)
 
 
-def _levelled(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    samples = samples - samples.mean()
-    peak = np.abs(samples).max(initial=0.0)
-    return samples * (LEVEL / peak) if peak > 0 else samples
+def _levelled(samples: NDArray[np.float32]) -> NDArray[np.float32]:
+    """In place."""
+    samples -= np.float32(samples.mean(dtype=np.float64))
+    peak = max(samples.max(initial=0.0), -samples.min(initial=0.0))
+    if peak > 0:
+        samples *= np.float32(LEVEL / peak)
+    return samples
