@@ -81,7 +81,7 @@ def test_help_loads_no_heavy_library() -> None:
         (["animate", "{sound}", "--text", "", "-o", "{dir}/a.csv"], "empty"),
         (["animate", "{sound}", "--text", "missing.txt", "-o", "{dir}/a.csv"], "no such text file"),
         (["animate", "{sound}", "--voice", "x", "-o", "{dir}/a.csv"], "--voice is for 'mien say'"),
-        (["align", "{sound}", "--text", "hello", "-o", "{dir}/a.mp4"], "mien align writes"),
+        (["align", "{sound}", "--text", "hello", "-o", "{dir}/a.mp4"], "mien align writes .TextGrid"),
         (["align", "{sound}", "-o", "{dir}/a.TextGrid"], "--text"),
         (["sing", "la"], "there is no command"),
         ([], "COMMAND"),
