@@ -25,7 +25,7 @@ def avatar(**facts: Any) -> ForeignFace:
         preset[name] |= more
     document = {
         "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"targets": [{} for _ in ORDER]}]}],
+        "meshes": [{"primitives": [{"targets": [{"POSITION": 0} for _ in ORDER]}]}],
         "extensions": {"VRMC_vrm": {"expressions": {"preset": preset}, **facts}},
     }
     return foreign_face(GltfDocument(Path("x.vrm"), document))

@@ -23,9 +23,15 @@ from mien.face.foreign.rig_names import KINDS, Match, OwnNames, name_tables, own
 from mien.face.foreign.rig_nodes import Turning, turning_nodes
 from mien.face.foreign.vrm import VrmExpression, is_vrm, vrm_expressions, vrm_gaze_by_shapes
 
-__all__ = ["Drive", "DrivenMesh", "DrivenTarget", "ForeignFace", "foreign_face"]
+__all__ = ["EMPTY", "UNKNOWN", "UNNAMED", "Drive", "DrivenMesh", "DrivenTarget", "ForeignFace", "foreign_face"]
+
+UNKNOWN, UNNAMED = "its name is not known", "it has no name"
+EMPTY = "it is empty: it moves nothing"
+"""Why a target stays still."""
 
 Floats = NDArray[np.float64]
+_NOTHING = 1e-7
+"""Units of the file, metres as glTF has it: a target that moves less moves nothing."""
 _RICH = 10
 """Channels of the mouth from which on a mesh has shapes rich enough to do without visemes."""
 _SPEECH = {"jawOpen", "mouthFunnel", "mouthPucker", "mouthClose"}
@@ -208,6 +214,25 @@ def _is_eyeball(document: GltfDocument, mesh: DrivenMesh) -> bool:
     return False
 
 
+def _empty_targets(document: GltfDocument, number: int) -> list[bool]:
+    """Which targets of a mesh move no vertex of any of its primitives: names that exporters keep without a shape."""
+    primitives = document.list_of("meshes")[number]["primitives"]
+    count = len(primitives[0].get("targets", []))
+    return [all(_moves_nothing(document, primitive, place) for primitive in primitives) for place in range(count)]
+
+
+def _moves_nothing(document: GltfDocument, primitive: Mapping[str, Any], place: int) -> bool:
+    targets = primitive.get("targets", [])
+    if place >= len(targets) or "POSITION" not in targets[place]:
+        return True
+    accessors, number = document.list_of("accessors"), targets[place]["POSITION"]
+    facts = accessors[number] if isinstance(number, int) and 0 <= number < len(accessors) else {}
+    bounds = [*facts.get("min", ()), *facts.get("max", ())]
+    if bounds:
+        return not any(abs(value) > _NOTHING for value in bounds)
+    return bool(facts) and "bufferView" not in facts and "sparse" not in facts  # zeros, as glTF has it
+
+
 def _looks(document: GltfDocument, mesh: DrivenMesh) -> bool:
     """Whether a mesh has driven gaze shapes that move something, as far as their bounds tell."""
     primitives = document.list_of("meshes")[mesh.number]["primitives"]
@@ -248,10 +273,17 @@ def _meanings(document: GltfDocument, number: int, expressions: Sequence[VrmExpr
     """All that a mesh's targets could mean, before redundant ones are told to keep still."""
     names = target_names(document, number)
     by_name = recognised(names)
-    shaped = sum(match is not None and match.exact and match.kind == "shapes" for match in by_name)
+    empty = _empty_targets(document, number)
+    shaped = sum(
+        match is not None and match.exact and match.kind == "shapes" and not nothing
+        for match, nothing in zip(by_name, empty, strict=True)
+    )
     bound = {} if shaped >= _RICH else _bound(document, number, expressions)
     targets = []
     for place, name in enumerate(names):
+        if empty[place]:
+            targets.append(DrivenTarget(name, (), EMPTY))
+            continue
         if name in own.targets:
             recipe = own.targets[name]
             drives: tuple[Drive, ...] = (Drive(Match("your own names", "own", recipe)),) if recipe else ()
@@ -259,7 +291,7 @@ def _meanings(document: GltfDocument, number: int, expressions: Sequence[VrmExpr
             continue
         match = by_name[place]
         drives = tuple(bound.get(place, ())) or ((Drive(match),) if match else ())
-        still = "" if drives else "its name is not known" if name else "it has no name"
+        still = "" if drives else UNKNOWN if name else UNNAMED
         targets.append(DrivenTarget(name, drives, still))
     label = str(document.list_of("meshes")[number].get("name") or f"mesh {number}")
     return DrivenMesh(number, label, tuple(targets))
@@ -292,7 +324,8 @@ def _settled(mesh: DrivenMesh, rich: bool) -> DrivenMesh:
     targets = _without_wholes(mesh.targets)
     shapes = {c for t in targets for d in t.drives if d.match.kind in ("own", "shapes") for c in _raised(d.match)}
     visemes = [d for t in targets for d in t.drives if d.match.kind == "visemes"]
-    by_shapes = _mouth_channels(mesh) >= _RICH or (rich and "jawOpen" in shapes) or not visemes
+    opens = "jawOpen" in shapes or not any("jawOpen" in _raised(drive.match) for drive in visemes)
+    by_shapes = (opens and (_mouth_channels(mesh) >= _RICH or rich)) or not visemes
     done: set[str] = set()
     kept: dict[int, list[Drive]] = {place: [] for place in range(len(targets))}
     why: dict[int, str] = {}
