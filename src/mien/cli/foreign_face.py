@@ -35,11 +35,11 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
 def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, names: str | None) -> ForeignFace:
     """Refuse what cannot be done with a foreign face before any work is done."""
     from mien.face.foreign.drawn import not_drawn
-    from mien.face.foreign.recognition import foreign_face
+    from mien.face.foreign.known_face import known_face
 
     if deformer != "blendshapes":
         raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
-    recognised = foreign_face(face, names)
+    recognised = known_face(face, names)
     recognised.require_motion()
     for path in outputs:
         reason = not_drawn(recognised) if path.suffix.lower() in (".mp4", ".png") else ""

@@ -22,7 +22,8 @@ from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
 from mien.core.tracks import ChannelTrack
 from mien.face.foreign.gltf_document import BIN, JSON, GltfDocument
-from mien.face.foreign.recognition import ForeignFace, foreign_face
+from mien.face.foreign.known_face import known_face
+from mien.face.foreign.recognition import ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import local_matrix, parts_of
 from mien.formats.turning_nodes import turns_of_nodes
@@ -65,7 +66,7 @@ def drive_glb(
     OutputError
         If the result cannot be written.
     """
-    face = source if isinstance(source, ForeignFace) else foreign_face(source, names)
+    face = source if isinstance(source, ForeignFace) else known_face(source, names)
     if face.document.path.resolve() == Path(path).resolve():
         raise InputError(f"{path} is both read and written: give the output another name")
     face.require_motion()

@@ -59,14 +59,16 @@ def save(
     targets = [check_output(path) for path in paths]
     if not isinstance(face, Face) and not (face is None or face in known_faces()):
         from mien.face.foreign.gltf_document import is_gltf
-        from mien.face.foreign.recognition import ForeignFace, foreign_face
+        from mien.face.foreign.known_face import known_face, note_on_mouth
+        from mien.face.foreign.recognition import ForeignFace
 
         if isinstance(face, (str, Path)) and is_gltf(face):
-            face = foreign_face(face, names)
+            face = known_face(face, names)
         if isinstance(face, ForeignFace):
             from mien.formats.foreign_faces import save_on_foreign
 
-            return tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
+            written = tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
+            return (*note_on_mouth(face), *written) if any(map(shows_face, targets)) else written
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
     if face in known_faces() and not any(shows_face(target) for target in targets):

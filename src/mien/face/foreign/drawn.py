@@ -115,8 +115,8 @@ def not_drawn(foreign: ForeignFace) -> str:
     return "" if any("mesh" in node for node in foreign.document.list_of("nodes")) else "it has no node with a mesh"
 
 
-def drawn_face(foreign: ForeignFace) -> DrawnFace:
-    """Lay a foreign face out.
+def drawn_face(foreign: ForeignFace, *, pictures: bool = True) -> DrawnFace:
+    """Lay a foreign face out, without its textures where only its shape is wanted (``pictures`` False).
 
     Raises
     ------
@@ -127,7 +127,7 @@ def drawn_face(foreign: ForeignFace) -> DrawnFace:
     reason = not_drawn(foreign)
     if reason:
         raise InputError(f"{document.path} cannot be drawn: {reason}")
-    reader, surfaces = AccessorReader(document), SurfaceReader(document)
+    reader, surfaces = AccessorReader(document), SurfaceReader(document, pictures)
     world = world_matrices(document)
     try:
         pieces = [p for node in _shown(foreign) for p in pieces_of_node(foreign, node, world, reader, surfaces)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -11,12 +12,21 @@ from typing import Any
 
 from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.gltf_document import GltfDocument
-from mien.face.foreign.recognition import ForeignFace, foreign_face
+from mien.face.foreign.known_face import LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
+from mien.face.foreign.recognition import DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS
+from mien.face.foreign.target_geometry import Likeness, likenesses
 from mien.face.foreign.vrm import is_vrm
 
-__all__ = ["FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face"]
+__all__ = [
+    "FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face", "names_table",
+]  # fmt: skip
+
+_LYING = 0.25
+"""A target that moves less like the channel of its name than this cosine, and surely like another, lies."""
+_FEWEST = 6
+"""Targets below which a face cannot be laid over ours by its motion."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +107,14 @@ class FaceReport:
         How many it has of its own; they are kept.
     not_drawn : str
         Why it cannot be drawn to ``.mp4`` and ``.png``; "" if it can.
+    mouth : float
+        Share of the mouth's motion in speech that can be shown, 0..1.
+    reach : Reach or None
+        How far it goes; None if its meshes cannot be decoded.
+    proposals : dict of str to str
+        Targets without a known name that are left still, and what they move like.
+    lying : dict of str to str
+        Targets that move like something other than their names say.
     """
 
     path: str
@@ -112,14 +130,32 @@ class FaceReport:
     extensions: tuple[str, ...]
     animations: int
     not_drawn: str
+    mouth: float
+    reach: Reach | None
+    proposals: dict[str, str]
+    lying: dict[str, str]
 
     def as_dict(self) -> dict[str, Any]:
         """The same in plain lists and dicts, ready for JSON."""
         return asdict(self)
 
+    def verdict(self) -> str:
+        """What will move, in one line."""
+        if not self.moves:
+            return "nothing of this face can move"
+        parts = [f"{self.mouth:.0%} of the mouth's motion in speech can be shown"]
+        if self.reach is not None:
+            parts.append(f"lips part by {self.reach.opening:.0f} mm at full jaw")
+            parts.append(f"blinks close the eyes by about {self.reach.closing:.0%}")
+        weak = self.mouth < LEAST_MOUTH or (self.reach is not None and self.reach.opening < 4.0)
+        return f"{'weak' if weak else 'good'} for speech: {', '.join(parts)}"
+
     def lines(self) -> list[str]:
         """The same in words."""
-        told = [f"{self.path}: {self.kind}" + (f", written by {self.generator}" if self.generator else "")]
+        told = [
+            self.verdict(),
+            f"{self.path}: {self.kind}" + (f", written by {self.generator}" if self.generator else ""),
+        ]
         if not self.meshes:
             told.append("no mesh has morph targets: nothing could move")
         elif not self.moves:
@@ -141,6 +177,8 @@ class FaceReport:
             for reason in dict.fromkeys(target.still for target in still):
                 names = [target.name or "(no name)" for target in still if target.still == reason]
                 told.append(f"  still, {reason}: {', '.join(names)}")
+        told += [f"{name}: its name is not what it moves: {like}" for name, like in self.lying.items()]
+        told += [f"{name}: left still, it moves like {like}" for name, like in self.proposals.items()]
         told += [f"{PARTS[part]}: node {name!r} turns" for part, name in self.nodes.items()]
         told += [f"{part}: no node of such a name; it stays still" for part in self.still_nodes]
         told += [f"{part}: turned by its mesh's own shapes, not by its node" for part in self.shaped_nodes]
@@ -174,7 +212,7 @@ def inspect_face(source: str | Path | GltfDocument, names: OwnNames | str | Path
     InputError
         If a file cannot be read or does not hold together.
     """
-    return face_report(foreign_face(source, names))
+    return face_report(known_face(source, names))
 
 
 def face_report(face: ForeignFace) -> FaceReport:
@@ -186,6 +224,7 @@ def face_report(face: ForeignFace) -> FaceReport:
     nodes = {part: str(document.list_of("nodes")[node].get("name", "")) for part, node in face.turning.nodes.items()}
     asset = document.json.get("asset")
     version = is_vrm(document)
+    likely, far = _by_motion(face)
     return FaceReport(
         path=str(document.path),
         generator=str(asset.get("generator", "")) if isinstance(asset, dict) else "",
@@ -200,7 +239,67 @@ def face_report(face: ForeignFace) -> FaceReport:
         extensions=tuple(str(name) for name in document.list_of("extensionsUsed")),
         animations=len(document.list_of("animations")),
         not_drawn=not_drawn(face),
+        mouth=round(mouth_share(face), 3),
+        reach=far,
+        proposals={_name(face, key): _like(likeness) for key, likeness in face.proposals.items()},
+        lying=_lying(face, likely),
     )
+
+
+def _by_motion(face: ForeignFace) -> tuple[dict[str, Likeness], Reach | None]:
+    """What every target moves like, and how far the face goes."""
+    every = all_targets(face)
+    if every is None or sum(len(part.targets) for part in every.parts) < _FEWEST:
+        return {}, None
+    likely, registration = likenesses(every)
+    return likely, reach(face, registration)
+
+
+def _name(face: ForeignFace, key: str) -> str:
+    mesh, place = map(int, key.split("/"))
+    return face.meshes[mesh].targets[place].name or f"target {place} of {face.meshes[mesh].name}"
+
+
+def _like(likeness: Likeness) -> str:
+    return f"{' and '.join(likeness.recipe)} ({likeness.cosine:.2f}{'' if likeness.sure else ', not sure'})"
+
+
+def _lying(face: ForeignFace, likely: dict[str, Likeness]) -> dict[str, str]:
+    """Shapes whose names say one channel while they surely move like another."""
+    found = {}
+    for mesh in face.meshes:
+        for place, target in enumerate(mesh.targets):
+            likeness = likely.get(f"{mesh.number}/{place}")
+            named = {c for d in target.drives if d.match.kind == "shapes" for c in d.match.recipe}
+            if not named or likeness is None or not likeness.sure or named & set(likeness.recipe):
+                continue
+            if all(likeness.of(channel) < _LYING for channel in named):
+                found[target.name] = f"it moves like {_like(likeness)}"
+    return found
+
+
+def names_table(face: ForeignFace) -> str:
+    """A table of names to correct, as ``--names`` takes it: what is driven, and proposals as comments."""
+    head = "# Which channels drive which target (docs/faces.md). Correct it, then give it with --names."
+    lines = [head, "[targets]"]
+    for mesh in face.meshes:
+        for place, target in enumerate(mesh.targets):
+            if target.name:
+                lines.append(_names_line(target, face.proposals.get(f"{mesh.number}/{place}")))
+    return "\n".join(dict.fromkeys(lines)) + "\n"
+
+
+def _names_line(target: DrivenTarget, proposed: Likeness | None) -> str:
+    recipe: dict[str, float] = {}
+    for drive in target.drives:
+        for channel, weight in drive.match.recipe.items():
+            recipe[channel] = round(recipe.get(channel, 0.0) + weight * drive.share, 3)
+    name = json.dumps(target.name, ensure_ascii=False)
+    given = recipe or (dict(proposed.recipe) if proposed else {})
+    inside = ", ".join(f"{channel} = {weight:g}" for channel, weight in given.items())
+    if recipe:
+        return f"{name} = {{ {inside} }}"
+    return f"# {name} = {{ {inside} }}  # it moves like this" if given else f'# {name} = ""  # {target.still}'
 
 
 def _missing(moved: set[str]) -> tuple[MissingChannels, ...]:

@@ -57,8 +57,8 @@ def srgb(linear: NDArray[Any]) -> NDArray[np.float64]:
 class SurfaceReader:
     """Reads the materials of one document, each once; ``faults`` tells which pictures could not be read."""
 
-    def __init__(self, document: GltfDocument) -> None:
-        self.document = document
+    def __init__(self, document: GltfDocument, pictures: bool = True) -> None:
+        self.document, self.pictures = document, pictures
         self.faults: list[str] = []
         self._known: dict[int | None, Surface] = {}
 
@@ -78,7 +78,7 @@ class SurfaceReader:
         factor = list(metal.get("baseColorFactor") or old.get("diffuseFactor") or [1.0, 1.0, 1.0, 1.0])
         skin = any(word in name.lower() for word in _SKIN) and "hair" not in name.lower()
         colour = srgb(np.array((factor + [1.0] * 4)[:3]))
-        picture = self._picture(given, name) if given else None
+        picture = self._picture(given, name) if given and self.pictures else None
         if given and picture is None:
             colour = colour * np.array(_PLAIN_SKIN if skin else _PLAIN)
         mode = facts.get("alphaMode", "OPAQUE")

@@ -8,7 +8,7 @@ helped by joined or split ones, rich shapes make visemes superfluous, and whole-
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from mien.core.tracks import ChannelTrack
 from mien.face.foreign.gltf_document import GltfDocument, read_gltf
 from mien.face.foreign.rig_names import KINDS, Match, OwnNames, name_tables, own_names, recognised, words
 from mien.face.foreign.rig_nodes import Turning, turning_nodes
+from mien.face.foreign.target_geometry import Likeness
 from mien.face.foreign.vrm import VrmExpression, is_vrm, vrm_expressions, vrm_gaze_by_shapes
 
 __all__ = ["EMPTY", "UNKNOWN", "UNNAMED", "Drive", "DrivenMesh", "DrivenTarget", "ForeignFace", "foreign_face"]
@@ -100,12 +101,15 @@ class ForeignFace:
         What turns, how far, and where the face looks.
     overrides : tuple of VrmExpression
         Driven expressions that hold blinks or mouth shapes back while they show.
+    proposals : mapping of str to Likeness
+        Targets without a known name, as ``mesh/target``, that move like a channel and are not used for it.
     """
 
     document: GltfDocument
     meshes: tuple[DrivenMesh, ...]
     turning: Turning
     overrides: tuple[VrmExpression, ...] = ()
+    proposals: Mapping[str, Likeness] = field(default_factory=dict)
 
     @property
     def moves(self) -> bool:

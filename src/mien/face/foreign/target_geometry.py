@@ -11,7 +11,7 @@ Measured on the 47 shapes of a production head that no name was given for: see `
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
@@ -29,14 +29,15 @@ Motion = Mapping[str, tuple[Floats, Floats]]
 
 SURE = 0.72
 """Cosine from which on a likeness counts as sure."""
+TRUSTED = 0.74
 APART = 0.05
 """By how much it must be ahead of every other that is not of its family."""
-_CELL, _BLUR, _GRID = 9.0, 9.0, 13.0  # mm
-_FAINT = 0.08  # share of a target's greatest displacement below which a vertex is taken not to move
-_STEPS = (0.16, 0.08, 0.04)
+_CELL, _BLUR, _GRID = 9.0, 9.0, 12.0  # mm
+_FAINT = 0.2  # share of a target's greatest displacement below which a vertex is taken not to move
+_STEPS = (0.16, 0.08, 0.04, 0.02)
 _MIDDLE = -40.0
 """Height of the middle of the face below the eyes, mm: scales are tried about it."""
-_MOST_TARGETS = 24
+_MOST_TARGETS = 40
 _FAMILIES = (
     ("mouthSmile", "mouthDimple"), ("mouthFunnel", "mouthPucker"), ("mouthClose", "mouthShrugLower"),
     ("cheekSquint", "eyeSquint"), ("mouthShrugUpper", "mouthUpperUp"), ("mouthLeft", "jawLeft"),
@@ -57,19 +58,40 @@ class Likeness:
         1: the same motion up to its size; 0: nothing in common.
     sure : bool
         Whether it is near enough, and nothing else is as near.
+    others : mapping of str to float
+        Cosine with every channel.
     """
 
     recipe: Mapping[str, float]
     cosine: float
     sure: bool
+    others: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    def of(self, channel: str) -> float:
+        """Cosine with a channel, 0 for one that is not looked for."""
+        return self.others.get(channel, 0.0)
 
 
 @dataclass(frozen=True)
 class Registration:
-    """Scale and shift along each axis, mm, that lay another face over the default one: ``points * scale + shift``."""
+    """Scale and shift along each axis, mm, that lay another face over the default one: ``points * scale + shift``.
+
+    Attributes
+    ----------
+    scale, shift : ndarray, shape (3,)
+    likeness : float
+        Mean over the targets of the cosine with the channel that is most like it: below `TRUSTED` the two faces have
+        too little in common to tell anything by it.
+    """
 
     scale: Floats
     shift: Floats
+    likeness: float = 0.0
+
+    @property
+    def trusted(self) -> bool:
+        """Whether what is told by motion can be believed."""
+        return self.likeness >= TRUSTED
 
     def back(self, points: Floats) -> Floats:
         """Places on the default face as they lie on the other face, shape (n, 3)."""
@@ -90,7 +112,10 @@ def likenesses(face: Face, keys: Sequence[str] | None = None) -> tuple[dict[str,
     registration = registered(motion)
     asked = [key for key in motion if keys is None or key in keys]
     cosines = _cosines({key: motion[key] for key in asked}, registration)
-    return {key: _best(row) for key, row in zip(asked, cosines, strict=True)}, registration
+    found = {key: _best(row) for key, row in zip(asked, cosines, strict=True)}
+    if not registration.trusted:
+        found = {key: replace(likeness, sure=False) for key, likeness in found.items()}
+    return found, registration
 
 
 def registered(motion: Motion) -> Registration:
@@ -103,8 +128,8 @@ def registered(motion: Motion) -> Registration:
     middle = 0.5 * (theirs[0] + theirs[1])
     shift = 0.5 * (ours[0] + ours[1]) - middle * scale
     shift[2] = ours[1][2] - theirs[1][2] * scale[2]
-    best = Registration(scale, shift)
-    most = _likeness_of_all(chosen, best)
+    starts = [Registration(scale, shift), Registration(np.ones(3), np.zeros(3))]  # by extent, or as it was laid out
+    most, best = max(((_likeness_of_all(chosen, start), start) for start in starts), key=lambda found: found[0])
     for step in _STEPS:
         for axis, scaled, moved in ((0, step, 0.0), (1, step, 0.0), (1, 0.0, step * 70), (2, 0.0, step * 70)) * 2:
             for sign in (1.0, -1.0):
@@ -112,7 +137,7 @@ def registered(motion: Motion) -> Registration:
                 likeness = _likeness_of_all(chosen, tried)
                 if likeness > most:
                     best, most = tried, likeness
-    return best
+    return replace(best, likeness=most / len(chosen))
 
 
 def _changed(given: Registration, axis: int, scaled: float, moved: float) -> Registration:
@@ -137,16 +162,21 @@ def _extent(motion: Motion) -> tuple[Floats, Floats]:
 
 def _cosines(motion: Motion, registration: Registration) -> Floats:
     """Cosines with every candidate, shape (targets, candidates)."""
-    prints = np.array([_print(*clumps, registration) for clumps in motion.values()])
+    prints = _prints(motion, registration)
     lengths = np.maximum(np.linalg.norm(prints, axis=1, keepdims=True), 1e-12)
     return np.asarray((prints / lengths) @ _candidates()[1].T)
 
 
-def _print(centres: Floats, carried: Floats, registration: Registration) -> Floats:
-    """The motion of one target seen at the points in front of the face, flat."""
-    places = centres * registration.scale + registration.shift
-    apart = ((places[:, None] - _points()[None]) ** 2).sum(axis=-1)
-    return np.asarray((np.exp(-0.5 * apart / _BLUR**2).T @ (carried * registration.scale)).ravel())
+def _prints(motion: Motion, registration: Registration) -> Floats:
+    """The motion of each target seen at the points in front of the face, shape (targets, points * 3)."""
+    centres = np.concatenate([centres for centres, _ in motion.values()])
+    carried = np.concatenate([carried for _, carried in motion.values()]) * registration.scale
+    first = np.cumsum([0, *(len(centres) for centres, _ in motion.values())])[:-1]
+    places, points = centres * registration.scale + registration.shift, _points()
+    apart = (places**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)[None] - 2.0 * places @ points.T
+    near = np.exp(apart.astype(np.float32) * np.float32(-0.5 / _BLUR**2))
+    seen = [np.add.reduceat(near * carried[:, axis, None].astype(np.float32), first, axis=0) for axis in range(3)]
+    return np.stack(seen, axis=2).reshape(len(first), -1).astype(np.float64)
 
 
 def _best(row: Floats) -> Likeness:
@@ -156,7 +186,8 @@ def _best(row: Floats) -> Likeness:
     rival = next((row[place] for place in order[1:] if not _related(first, names[place])), 0.0)
     sure = bool(row[order[0]] >= SURE and row[order[0]] - rival >= APART)
     weight = 1.0 / len(first)
-    return Likeness(dict.fromkeys(first, weight), round(float(row[order[0]]), 3), sure)
+    others = {name[0]: float(cosine) for name, cosine in zip(names, row, strict=True) if len(name) == 1}
+    return Likeness(dict.fromkeys(first, weight), round(float(row[order[0]]), 3), sure, others)
 
 
 def _related(one: tuple[str, ...], other: tuple[str, ...]) -> bool:
@@ -178,7 +209,8 @@ def _candidates() -> tuple[tuple[tuple[str, ...], ...], Floats]:
     """What a target may be: a channel, or both sides of one; and the unit prints of all."""
     motion = _default_motion()
     here = Registration(np.ones(3), np.zeros(3))
-    prints = {(name,): _print(*clumps, here) for name, clumps in motion.items()}
+    seen = _prints(motion, here)
+    prints: dict[tuple[str, ...], Floats] = {(name,): row for name, row in zip(motion, seen, strict=True)}
     for name in motion:
         right = name[: -len("Left")] + "Right"
         if name.endswith("Left") and right in motion and name not in ("mouthLeft", "jawLeft"):

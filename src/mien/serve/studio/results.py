@@ -125,9 +125,9 @@ def _filmed(animation: Animation, path: Path, export: Export, steps: _Steps) -> 
     if isinstance(export.face, Face):
         return write_video(animation, export.face, path, progress=steps, renderer=export.shown.renderer(export.face))
     from mien.face.foreign.drawn import drawn_face
-    from mien.face.foreign.recognition import foreign_face
+    from mien.face.foreign.known_face import known_face
 
-    drawn = drawn_face(foreign_face(export.face))
+    drawn = drawn_face(known_face(export.face))
     moved = replace(animation, channels=drawn.track(animation.channels))
     notes = write_video(moved, drawn.face, path, progress=steps, renderer=export.shown.renderer(drawn.face))
     return (*(Note("warning", fault) for fault in drawn.notes), *notes)

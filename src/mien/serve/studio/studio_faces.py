@@ -62,13 +62,13 @@ class FaceShelf:
         FieldError
             If it is none, or has no morph target that can be driven.
         """
-        from mien.face.foreign.recognition import foreign_face
+        from mien.face.foreign.known_face import known_face
 
         path = self._folder / new_id() / "face.glb"
         path.parent.mkdir()  # of its own: a GLB may name files beside it, and there are none
         path.write_bytes(content)
         try:
-            foreign_face(path).require_motion()
+            known_face(path).require_motion()
             face = ForeignFace(path, _checked_report(path))
         except InputError as problem:
             _removed(path)
