@@ -31,7 +31,8 @@ def test_a_squeezed_face_of_ours_is_laid_over_itself_and_its_shapes_are_known(sq
     found, registration = likenesses(squeezed)
     assert registration.trusted
     wanted = ("jawOpen", "mouthSmileLeft", "mouthPucker", "eyeBlinkLeft", "eyeBlinkRight", "browDownLeft",
-              "browInnerUp", "noseSneerRight", "mouthFrownRight", "mouthUpperUpLeft", "cheekPuff", "jawForward")  # fmt: skip
+              "browInnerUp", "noseSneerRight",
+              "mouthFrownRight", "mouthUpperUpLeft", "cheekPuff", "jawForward")  # fmt: skip
     right = [name for name in wanted if list(found[f"t_{name}"].recipe) == [name]]
     assert len(right) >= len(wanted) - 1
     assert found["t_jawOpen"].sure
