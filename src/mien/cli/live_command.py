@@ -12,7 +12,8 @@ from mien.cli.stopping import put_off
 from mien.core.errors import InputError
 
 if TYPE_CHECKING:
-    from mien.serve.live.animator import LiveAnimator
+    from mien.motion.performer import Performer
+    from mien.serve.live.animator import LiveAnimator, LiveSettings
     from mien.serve.live.live_performance import Performed
     from mien.serve.live.live_recording import LiveRecording
     from mien.serve.live.sound_sources import SoundSource
@@ -59,6 +60,7 @@ def add_command(commands: Any) -> None:
 
 def _live(options: argparse.Namespace) -> int:
     from mien.formats.registry import check_output
+    from mien.serve.live.animator import LiveAnimator
     from mien.serve.live.live_recording import LiveRecording
 
     if options.list_devices:
@@ -72,7 +74,8 @@ def _live(options: argparse.Namespace) -> int:
     for path in recorded:
         check_output(path)
     source = _source(options)
-    animator = _animator(options)
+    performer, settings = _prepared(options)
+    animator = LiveAnimator(performer, settings)
     outlets = outlets_of(options, _channels(), animator.settings.rate, recorded=bool(recorded))
     with contextlib.ExitStack() as stack:
         recording = None
@@ -80,7 +83,8 @@ def _live(options: argparse.Namespace) -> int:
             recording = stack.enter_context(LiveRecording(animator.stream.classifier.labels))
         performed = _run(options, source, animator, outlets, recording)
         if recording is not None:
-            _write(options, recording, animator, recorded)
+            again = (performer, source.stored, performed.dropped > 0)
+            _write(options, recording, settings, recorded, *again)
     _tell(options, performed)
     return 0
 
@@ -106,12 +110,12 @@ def _source(options: argparse.Namespace) -> SoundSource:
     return open_source(options.sound, form, options.pace, options.follow)
 
 
-def _animator(options: argparse.Namespace) -> LiveAnimator:
+def _prepared(options: argparse.Namespace) -> tuple[Performer, LiveSettings]:
     from mien.pipeline.options import prepared
-    from mien.serve.live.animator import LiveAnimator, LiveSettings
+    from mien.serve.live.animator import LiveSettings
 
     performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed)
-    return LiveAnimator(performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed))
+    return performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed)
 
 
 def _run(
@@ -157,11 +161,22 @@ def _run(
     return performed
 
 
-def _write(options: argparse.Namespace, recording: LiveRecording, animator: LiveAnimator, paths: list[str]) -> None:
+def _write(
+    options: argparse.Namespace,
+    recording: LiveRecording,
+    settings: LiveSettings,
+    paths: list[str],
+    performer: Performer,
+    stored: bool,
+    lost: bool,
+) -> None:
+    """Write what was shown; for stored sound, and where sound was lost, what is shown where nothing is late."""
     from mien.api.calls import save
 
-    settings = animator.settings
-    animation = recording.animation(settings.rate, settings.score, options.performer, settings.seed)
+    if stored or lost:
+        animation = recording.performed_again(performer, settings, options.performer, whole=lost)
+    else:
+        animation = recording.animation(settings.rate, settings.score, options.performer, settings.seed)
     if animation is None:
         raise InputError("nothing was heard, so nothing was recorded")
     notes = (*animation.notes, *save(animation, *paths))

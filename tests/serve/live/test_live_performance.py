@@ -27,6 +27,7 @@ from mien.serve.live.live_performance import Performed, perform_live
 from mien.serve.live.live_recording import LiveRecording
 from mien.serve.live.sockets import Access
 from mien.serve.live.sound_sources import SampleSource
+from mien.serve.live.sound_stream import Inbox
 from mien.serve.live.streaming import Outlets
 from mien.speech.streaming_features import RATE
 from mien.text.score import EmotionSpan, Score
@@ -311,3 +312,52 @@ def test_asking_to_stop_ends_the_stream() -> None:
         perform_live(source, Quick(), Outlets(), performer="x", clock=clock, stopping=stopping)  # type: ignore[arg-type]
     )
     assert performed.frames == 20
+
+
+def performed(clock: SimulatedClock, source: Any, recording: LiveRecording) -> Performed:
+    animator = LiveAnimator(Performer.authored())
+    return asyncio.run(
+        perform_live(source, animator, Outlets(), performer="authored", recording=recording, clock=clock)
+    )
+
+
+def voice(seconds: float) -> np.ndarray:
+    return (0.2 * np.random.default_rng(0).uniform(-1, 1, round(seconds * RATE))).astype(np.float32)
+
+
+def late(seconds: float) -> float:
+    """A machine that is now and then far behind."""
+    return 0.31 if int(seconds * 30) % 7 == 3 else 0.0
+
+
+def test_a_recording_of_stored_sound_is_the_same_however_late_the_machine_is() -> None:
+    made, told = [], []
+    labels = LiveAnimator(Performer.authored()).stream.classifier.labels
+    for clock in (SimulatedClock(), SimulatedClock(late)):
+        with LiveRecording(labels) as recording:
+            told.append(performed(clock, SampleSource(voice(2.0), "voice"), recording))
+            animation = recording.performed_again(Performer.authored(), LiveSettings(), "authored", whole=False)
+        assert animation is not None
+        made.append(animation)
+    assert told[0].skipped == 0 < told[1].skipped
+    count = min(len(animation.channels) for animation in made)
+    assert count >= 60
+    assert np.array_equal(*(animation.channels.values[:50] for animation in made))
+    whole = np.array(list(frames_of(Audio(voice(2.0), RATE), Performer.authored())))
+    assert np.array_equal(made[0].channels.values[:50], whole[:50])
+
+
+def test_sound_that_could_not_be_shown_is_in_the_recording_all_the_same() -> None:
+    class Burst(SampleSource):
+        def __init__(self) -> None:
+            super().__init__(voice(6.0), "burst")
+            self.stored, self.inbox = False, Inbox(1.0)
+
+    labels = LiveAnimator(Performer.authored()).stream.classifier.labels
+    with LiveRecording(labels) as recording:
+        told = performed(SimulatedClock(), Burst(), recording)
+        animation = recording.performed_again(Performer.authored(), LiveSettings(), "authored", whole=True)
+    assert told.dropped == pytest.approx(5.0)
+    assert "a recording holds them" in told.notes[0].message
+    assert animation is not None
+    assert np.array_equal(animation.utterance.audio.samples, Audio(voice(6.0), RATE).samples)

@@ -12,6 +12,7 @@ from mien.core import channels
 from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
+from mien.core.utterance import PAUSE
 from mien.motion.expression.endless_motion import endless_expression, endless_idle
 from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
 from mien.motion.opposed_channels import apart
@@ -137,6 +138,14 @@ def frames_of(audio: Audio, performer: Performer, settings: LiveSettings | None 
     >>> len(frames), frames[0].shape
     (15, (71,))
     """
+    for _, _, values in frames_and_phones(audio, performer, settings):
+        yield values
+
+
+def frames_and_phones(
+    audio: Audio, performer: Performer, settings: LiveSettings | None = None
+) -> Iterator[tuple[float, str, Floats]]:
+    """As `frames_of`, each with its instant and the phone that is heard there."""
     animator = LiveAnimator(performer, settings)
     rate, samples = animator.settings.rate, audio.resampled(RATE).samples.astype(np.float64)
     given = 0
@@ -147,4 +156,6 @@ def frames_of(audio: Audio, performer: Performer, settings: LiveSettings | None 
         given = max(given, min(upto, len(samples)))
         if upto > len(samples):  # the sound is over: silence follows
             animator.hear(np.zeros(upto - max(given, round(animator.heard * RATE))))
-        yield animator.frame(seconds)
+        values = animator.frame(seconds)
+        phone = animator.phones.at(seconds)
+        yield seconds, phone.label if phone else PAUSE, values

@@ -63,7 +63,7 @@ class Performed:
         if self.left_out > 0.05:
             found.append(f"{self.left_out:.1f} s of sound came too late and were left out")
         if self.dropped > 0.05:
-            found.append(f"{self.dropped:.1f} s of sound came faster than they could be shown and were lost")
+            found.append(f"{self.dropped:.1f} s of sound came too fast to be shown (a recording holds them)")
         return tuple(Note("warning", text) for text in found)
 
 
@@ -113,6 +113,8 @@ async def perform_live(
     facts = {"live": True, "source": source.name, "look_ahead": settings.look_ahead, "performer": performer}
     greeting = Greeting(channels.ALL, settings.rate.fps, facts)
     show = _Show(source, animator, recording)
+    if recording is not None:
+        source.inbox.tap = recording.add_arrived
     sent = last = 0
     async with opened_outlets(outlets, greeting) as open_to:
         opened(open_to.port)

@@ -9,6 +9,7 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from mien.animation.animation import Animation, Provenance
 from mien.core import channels
@@ -17,6 +18,8 @@ from mien.core.errors import Note
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import PAUSE, Utterance
+from mien.motion.performer import Performer
+from mien.serve.live.animator import LiveSettings, frames_and_phones
 from mien.speech.streaming_features import RATE
 from mien.text.score import Score
 
@@ -37,6 +40,7 @@ class LiveRecording:
     def __init__(self, labels: tuple[str, ...]) -> None:
         self._labels = labels
         self._frames, self._sound = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115
+        self._came = tempfile.TemporaryFile()  # noqa: SIM115
 
     def __enter__(self) -> Self:
         return self
@@ -44,12 +48,16 @@ class LiveRecording:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._frames.close()
-        self._sound.close()
+        for file in (self._frames, self._sound, self._came):
+            file.close()
 
     def add_sound(self, samples: NDArray[np.floating]) -> None:
         """Sound that was heard, 16 kHz."""
         self._sound.write(np.asarray(samples, dtype="<f4").tobytes())
+
+    def add_arrived(self, samples: NDArray[np.floating]) -> None:
+        """Sound as it came, 16 kHz, whether or not it could be shown in time."""
+        self._came.write(np.asarray(samples, dtype="<f4").tobytes())
 
     def add_frame(self, seconds: float, phone: str, values: NDArray[np.float64]) -> None:
         """What was shown for an instant of the sound, and the phone that was heard there."""
@@ -75,6 +83,32 @@ class LiveRecording:
         utterance = Utterance("", audio, Tier("words", ()), phones, "en-US", "recognised", (note,))
         track = ChannelTrack(channels.ALL, values, rate)
         return Animation(track, None, utterance, score, Provenance(performer, seed, version("mien")), (note,))
+
+    def performed_again(self, performer: Performer, settings: LiveSettings, name: str, whole: bool) -> Animation | None:
+        """The sound as it is shown where nothing is late: the same frames each time; None if nothing was shown.
+
+        Parameters
+        ----------
+        performer : Performer
+        settings : LiveSettings
+        name : str
+            Of the performer.
+        whole : bool
+            All sound that came, rather than what was taken for the frames.
+        """
+        samples = _read(self._came if whole else self._sound, "<f4")
+        rows = _read(self._frames, "<f8").reshape(-1, _WIDTH)
+        if not len(samples) or not len(rows):
+            return None
+        if not whole:
+            samples = samples[: round((float(rows[-1, 0]) + settings.rate.time_of(1)) * RATE)]
+        made = LiveRecording(self._labels)
+        with made, threadpool_limits(1):
+            audio = Audio(samples, RATE)
+            made.add_sound(audio.samples)
+            for seconds, phone, values in frames_and_phones(audio, performer, settings):
+                made.add_frame(seconds, phone, values)
+            return made.animation(settings.rate, settings.score, name, settings.seed)
 
     def _phones(self, times: NDArray[np.float64], numbers: NDArray[np.int64], duration: float) -> Tier:
         """Runs of frames with the same phone; silence before the first and, at the end, what was last."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import threading
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -216,6 +217,8 @@ class Inbox:
     ----------
     dropped : int
         Samples that came while it was full (the oldest ones are lost).
+    tap : callable or None
+        Gets everything that comes, in the thread that reads, whatever becomes of it.
     """
 
     def __init__(self, seconds: float = 4.0) -> None:
@@ -227,6 +230,7 @@ class Inbox:
         self._problem: BaseException | None = None
         self.dropped = 0
         self.arrived = 0
+        self.tap: Callable[[Single], None] | None = None
 
     def __len__(self) -> int:
         return self._held
@@ -256,6 +260,8 @@ class Inbox:
             self._pieces.append(samples)
             self._held += len(samples)
             self.arrived += len(samples)
+            if self.tap is not None:
+                self.tap(samples)
 
     def take(self, most: int | None = None) -> Single:
         """What has come, at most so many samples.
