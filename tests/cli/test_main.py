@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import argparse
 import os
 import signal
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 import soundfile
 
 from mien.cli import main
+from mien.cli.main import _unused
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -160,3 +162,16 @@ def test_a_full_standard_output_is_one_line(capsys: pytest.CaptureFixture[str]) 
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
     assert "standard output" in run.stderr
+
+
+def test_options_that_no_format_has_a_use_for_are_reported() -> None:
+    given = {"face": "x.glb", "deformer": "tree", "fps": "60"}
+    notes = [note.message for note in _unused(argparse.Namespace(**given), ["a.wav", "b.TextGrid"])]
+    assert [message.split(" has")[0] for message in notes] == ["--face x.glb", "--deformer tree", "--fps 60"]
+    assert notes[0].endswith("nothing of it is in .wav, .TextGrid")
+    assert [n.message.split(" has")[0] for n in _unused(argparse.Namespace(**given), ["a.csv"])] == [
+        "--face x.glb",
+        "--deformer tree",
+    ]
+    assert _unused(argparse.Namespace(**given), ["a.csv", "a.png"]) == []
+    assert _unused(argparse.Namespace(face="default", deformer="blendshapes", fps="30"), ["a.wav"]) == []

@@ -45,6 +45,9 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 
+_WITHOUT_FRAMES = (".wav", ".textgrid")
+
+
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say it in one line, like every other error, with the nearest name that exists."""
@@ -362,11 +365,25 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
             show(done, total)
 
         notes = api.save(animation, *outputs, face=face, progress=progress)
-    _tell(notes, options.quiet)
+    _tell((*notes, *_unused(options, outputs)), options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration
         print(f"{', '.join(outputs)}: {seconds:.2f} s at {animation.rate} frames/s")
     return 0
+
+
+def _unused(options: argparse.Namespace, outputs: Sequence[str]) -> list[Note]:
+    """Notes on options that none of the formats written has a use for."""
+    from mien.formats.registry import shows_face
+
+    suffixes = ", ".join(dict.fromkeys(Path(path).suffix for path in outputs))
+    given = []
+    if not any(shows_face(path) for path in outputs):
+        given += [f"--{name} {value}" for name, usual in (("face", "default"), ("deformer", "blendshapes"))
+                  if (value := getattr(options, name, usual)) != usual]  # fmt: skip
+    if all(Path(path).suffix.lower() in _WITHOUT_FRAMES for path in outputs) and getattr(options, "fps", "30") != "30":
+        given.append(f"--fps {options.fps}")
+    return [Note("warning", f"{option} has no effect: nothing of it is in {suffixes}") for option in given]
 
 
 def _align(options: argparse.Namespace) -> int:
