@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
+from mien.core.one_thread import one_thread
 from mien.core.utterance import Utterance
 from mien.formats.sound_files import read_audio
 from mien.motion.performer import Performer
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["aligned", "heard", "is_timed", "sound_of", "spoken_recording", "spoken_text"]
 
 
+@one_thread
 def spoken_text(
     text: str | Path | Script,
     performer: Performer,
@@ -66,6 +68,7 @@ def spoken_text(
     return translate(said, library)
 
 
+@one_thread
 def spoken_recording(
     audio: str | Path | Audio,
     performer: Performer,
@@ -109,6 +112,7 @@ def spoken_recording(
     return translate(spoken, library)
 
 
+@one_thread
 def aligned(
     audio: str | Path | Audio,
     text: str | Path | Script,

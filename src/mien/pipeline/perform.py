@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from mien.animation.animation import Animation, Provenance
 from mien.core import channels
 from mien.core.errors import Note
+from mien.core.one_thread import one_thread
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
@@ -44,6 +45,7 @@ _HEAD = [channels.ALL.index(name) for name in channels.HEAD]
 _LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
 
 
+@one_thread
 def perform(utterance: Utterance, score: Score, performer: Performer, rate: FrameRate, seed: int = 0) -> Animation:
     """Let a performer speak an utterance as the score directs.
 
@@ -117,6 +119,7 @@ def _spoken(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     return mouth.perform(utterance, rate)
 
 
+@one_thread
 def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:
     """Lay expressions over finished motion, ours or imported (SPEC A16b).
 

@@ -98,7 +98,7 @@ class Greeting:
             if (content["format"], content["version"]) != (FORMAT, VERSION):
                 raise InputError(f"expected {FORMAT} {VERSION}, got {content['format']} {content['version']}")
             return cls(_names(content["channels"]), float(content["fps"]), content.get("facts", {}))
-        except (ValueError, KeyError, TypeError) as problem:
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as problem:
             raise InputError(f"expected the greeting of a mien stream, got {message[:40]!r} ({problem})") from problem
 
 
