@@ -30,6 +30,7 @@ from mien.motion.effort import articulate, mean_mouth
 from mien.motion.expression.expression import NEUTRAL
 from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
+from mien.motion.mouth.shown_closure import bilabial_seal, close_lips
 from mien.motion.mouth.singing import sing
 from mien.motion.opposed_channels import apart
 from mien.motion.performer import FeelingMouth, Performer
@@ -78,6 +79,7 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
     values = blend(mouth.values, expression * share + prosody, idle)
+    values = close_lips(values, bilabial_seal(mouth.seal, utterance.phones, times))
     values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
     values = direct(values, score.curves, rate, share)
     return Animation(
