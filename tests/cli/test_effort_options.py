@@ -30,7 +30,7 @@ def test_say_takes_effort_and_writes_it(tmp_path) -> None:  # type: ignore[no-un
         ("3", "an effort runs from 0 to 2, not 3"),
         ("auto", "a synthetic one has none"),
         ("shout", "an effort is a number from 0 to 2"),
-        ("gone.csv", "cannot read gone.csv"),
+        ("gone.csv", "gone.csv: no such file"),
     ],
 )
 def test_what_is_no_effort_is_one_line(given: str, told: str, tmp_path, capsys) -> None:  # type: ignore[no-untyped-def]

@@ -46,17 +46,17 @@ def test_a_file_of_points(tmp_path) -> None:  # type: ignore[no-untyped-def]
 
 def test_a_later_span_takes_the_place_of_an_earlier_one_where_it_stands() -> None:
     spans = (EffortSpan(1.5), EffortSpan(0.5, 0.7, 1.3))
-    assert effort_over(spans, ONE, TIMES) == pytest.approx([1.5, 0.5, 1.5])
+    assert effort_over(spans, ONE, np.zeros(3), TIMES) == pytest.approx([1.5, 0.5, 1.5])
 
 
-def test_of_voice_and_emotion_the_larger_counts_where_they_agree_and_by_hand_they_add_up() -> None:
-    felt = np.array([1.3, 0.8, 1.0])
+def test_an_emotion_takes_the_place_of_the_voice_as_far_as_it_is_shown_and_by_hand_they_add_up() -> None:
+    felt, shown = np.array([1.3, 0.9, 1.0]), np.array([1.0, 0.5, 0.0])
     voice, asked, off = (EffortSpan(1.2, source=source) for source in ("voice", "asked", "off"))
-    assert effort_over((voice,), felt, TIMES) == pytest.approx([1.3, 1.0, 1.2])
-    assert effort_over((asked,), felt, TIMES) == pytest.approx([1.5, 1.0, 1.2])
-    assert effort_over((off,), felt, TIMES) == pytest.approx([1.2, 1.2, 1.2])
-    assert effort_over((), felt, TIMES) == pytest.approx(felt)
-    assert effort_over((EffortSpan(2.0),), felt, TIMES).max() == 2
+    assert effort_over((voice,), felt, shown, TIMES) == pytest.approx([1.3, 1.0, 1.2])
+    assert effort_over((asked,), felt, shown, TIMES) == pytest.approx([1.5, 1.1, 1.2])
+    assert effort_over((off,), felt, shown, TIMES) == pytest.approx([1.2, 1.2, 1.2])
+    assert effort_over((), felt, shown, TIMES) == pytest.approx(felt)
+    assert effort_over((EffortSpan(2.0),), felt, shown, TIMES).max() == 2
 
 
 def test_tags_hold_levels_and_the_innermost_counts() -> None:

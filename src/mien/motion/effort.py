@@ -36,7 +36,7 @@ somebody close by and shouting to somebody 190 m away (Andersson, Eriksson, Trau
 KNEE = 0.7
 """Weight above which what effort adds to a channel is bent towards 1, which it never reaches. Hand-made."""
 EASE = 0.12
-"""Seconds around speech over which the lips come to their scaled motion. Hand-made."""
+"""Seconds around speech over which the mouth comes to its scaled motion. Hand-made."""
 _JAW = [channels.ALL.index(name) for name in ("jawOpen", "mouthClose")]
 _LIPS = [
     channels.ALL.index(name)
@@ -136,7 +136,7 @@ def articulate(
     effort : ndarray, shape (frames,)
         0 to 2; where it is 1 the motion stays as it is, bit for bit.
     phones : Tier
-        Between them, in pauses, lips come to rest as ever.
+        Between them, in pauses, the mouth comes to rest as ever.
     rate : FrameRate
     mean : MeanMouth
     gains : EffortGains, optional
@@ -148,8 +148,8 @@ def articulate(
         Weights in [0, 1]; where ``seal`` is 1 nothing has changed.
     """
     jaw, lips = (gains or effort_gains()).at(effort)
-    free = 1 - mouth.seal
-    jaw, lips = 1 + (jaw - 1) * free, 1 + (lips - 1) * free * _speaking(phones, rate.times(len(mouth.values)))
+    free = (1 - mouth.seal) * _speaking(phones, rate.times(len(mouth.values)))
+    jaw, lips = 1 + (jaw - 1) * free, 1 + (lips - 1) * free
     values = mouth.values.copy()
     values[:, _JAW] = _bounded(values[:, _JAW] * jaw[:, None], mouth.values[:, _JAW])
     moved = mean.values[_LIPS] + (values[:, _LIPS] - mean.values[_LIPS]) * lips[:, None]

@@ -27,7 +27,7 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
-from mien.motion.expression.expression import NEUTRAL
+from mien.motion.expression.expression import NEUTRAL, weights_of
 from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
 from mien.motion.mouth.shown_closure import bilabial_seal, close_lips
@@ -70,7 +70,8 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     if utterance.sung:
         mouth = sing(mouth, utterance, rate)
     times = rate.times(len(mouth.values))
-    effort = effort_over(score.efforts, performer.expression.effort(score, times), times)
+    shown = 1 - weights_of(score, times)[0]
+    effort = effort_over(score.efforts, performer.expression.effort(score, times), shown, times)
     if (effort != AS_RECORDED).any():
         mouth = articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
     line = line_of(utterance, mouth.values, rate) if score.emotions else None

@@ -48,7 +48,7 @@ class EffortSpan:
         Seconds; None means the start or end of the sound.
     source : {"asked", "voice", "off"}
         Where it comes from, and so what an emotion's own effort does to it: it is added to what is asked for by hand;
-        of a voice, which may say the same as the emotion, the larger of the two counts; ``off`` leaves it out.
+        it takes the place of a voice's, which says the same, as far as the emotion is shown; ``off`` leaves it out.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def parse_effort(text: str) -> float | EffortCurve:
     return parse_values(text, EffortCurve)
 
 
-def effort_over(spans: Sequence[EffortSpan], felt: Floats, times: Floats) -> Floats:
+def effort_over(spans: Sequence[EffortSpan], felt: Floats, shown: Floats, times: Floats) -> Floats:
     """The effort at instants, shape (times,), 0 to 2.
 
     Parameters
@@ -112,14 +112,17 @@ def effort_over(spans: Sequence[EffortSpan], felt: Floats, times: Floats) -> Flo
         A later one takes the place of earlier ones where it stands.
     felt : ndarray, shape (times,)
         What the emotions ask for: 1, or more or less.
+    shown : ndarray, shape (times,)
+        How far emotions are shown: 0 (neutral) to 1.
     times : ndarray, shape (times,)
         Seconds.
 
     Examples
     --------
     >>> voice = EffortSpan(1.5, source="voice")
-    >>> effort_over([voice, EffortSpan(0.6, 1.0, 2.0)], np.full(3, 1.2), np.array([0.0, 1.5, 3.0])).round(3).tolist()
-    [1.5, 0.8, 1.5]
+    >>> felt, shown = np.full(3, 1.2), np.full(3, 0.5)
+    >>> effort_over([voice, EffortSpan(0.6, 1.0, 2.0)], felt, shown, np.array([0.0, 1.5, 3.0])).round(3).tolist()
+    [1.45, 0.8, 1.45]
     """
     level, heard, off = np.ones(len(times)), np.zeros(len(times)), np.zeros(len(times))
     for span in spans:
@@ -128,6 +131,5 @@ def effort_over(spans: Sequence[EffortSpan], felt: Floats, times: Floats) -> Flo
         heard += share * ((span.source == "voice") - heard)
         off += share * ((span.source == "off") - off)
     own, more = level - AS_RECORDED, felt - AS_RECORDED
-    alike = np.where(own * more > 0, np.sign(own) * np.maximum(np.abs(own), np.abs(more)), own + more)
-    total = heard * alike + off * own + (1 - heard - off) * (own + more)
+    total = own * (1 - heard * shown) + more * (1 - off)
     return np.asarray(np.clip(AS_RECORDED + total, 0.0, HIGHEST))
