@@ -159,6 +159,12 @@ def test_prosody_that_the_user_sets_wins_over_the_emotion() -> None:
     assert np.abs(both.audio.samples).max() < 0.8 * np.abs(alone.audio.samples).max()
 
 
+def test_even_prosody_that_asks_for_the_usual_wins() -> None:
+    marked = '<emotion name="sad"><prosody rate="medium">That is true now.</prosody></emotion>'
+    plain, both = (speak(read_script(text)).utterance for text in ("That is true now.", marked))
+    assert [word.duration for word in both.words] == pytest.approx([word.duration for word in plain.words], rel=0.02)
+
+
 def test_emotions_for_the_whole_are_in_seconds_of_the_result() -> None:
     script = read_script("That is true now a that is true now.")
     score = Score((EmotionSpan("sad", 1.0, start=1.5),))

@@ -24,6 +24,7 @@ __all__ = ["Judgement", "emotion_tables", "expected_calibration_error"]
 COEFFICIENTS = (50, 100, 500, 1000)
 KERNELS: tuple[Kernel, ...] = ("linear", "radial")
 VARIATIONS = 4
+OWN_COST, PAPER_COST = 0.5, 1.0
 _BINS = 10
 Progress = Callable[[int, int], None]
 
@@ -194,7 +195,8 @@ def _held_out(
         learned_from = samples.where(_mask(known, len(truth)) & (learn_variations | (samples.variation == 0)))
         if set(learned_from.emotions) != set(classes):
             continue
-        learned = EmotionClassifier(samples.kind).fit(learned_from)
+        cost = OWN_COST if samples.kind == VOICE else PAPER_COST
+        learned = EmotionClassifier(samples.kind, cost=cost).fit(learned_from)
         probabilities[out], tested[out] = learned.probabilities(samples.features[out]), True
     return probabilities, classes, tested
 

@@ -226,7 +226,7 @@ def _reshaped(joined: Joined, script: Script) -> Joined:
     for item in script.prosody:
         start, end = item.start.resolve(clock.time_of) / 1000, item.end.resolve(clock.time_of) / 1000
         if end > start:
-            changes.append(Change(start, end, item.rate, item.pitch, item.volume))
+            changes.append(Change(start, end, item.rate or 1.0, item.pitch or 0.0, item.volume or 0.0))
     return replace(joined, utterance=reshape(joined.utterance, changes))
 
 
@@ -238,8 +238,8 @@ def _felt(joined: Joined, script: Script, score: Score, amount: float, seed: int
     kept = []
     for item in script.prosody:
         start, end = item.start.resolve(clock.time_of) / 1000, item.end.resolve(clock.time_of) / 1000
-        asked = (("rate", item.rate != 1), ("pitch", item.pitch != 0), ("volume", item.volume != 0))
-        kept.append(Kept(start, end, frozenset(name for name, is_set in asked if is_set)))
+        asked = {"rate": item.rate, "pitch": item.pitch, "volume": item.volume}
+        kept.append(Kept(start, end, frozenset(name for name, value in asked.items() if value is not None)))
     at_words = Score(_emotions(script.emotions, clock))
     return replace(joined, utterance=with_feeling(joined.utterance, at_words, score, amount, kept, seed))
 

@@ -74,14 +74,14 @@ class Point:
 class Prosody:
     """How a stretch is spoken: ``rate`` (1: as usual, 2: twice as fast), ``pitch`` in semitones, ``volume`` in dB.
 
-    What is as usual was not asked for: there the voice does what the emotion asks.
+    None: nothing was asked, and the voice does what the emotion asks.
     """
 
     start: Moment
     end: Moment
-    rate: float = 1.0
-    pitch: float = 0.0
-    volume: float = 0.0
+    rate: float | None = None
+    pitch: float | None = None
+    volume: float | None = None
 
 
 @dataclass(frozen=True)

@@ -108,9 +108,9 @@ def _prosody(builder: Builder, given: Given) -> None:
     for name in ("contour", "range", "duration"):
         if name in given:
             builder.note(f"prosody: {name} is not followed: no voice here can")
-    rate = _rate(given.get("rate", "medium"), builder)
-    pitch = _semitones(given.get("pitch", "medium"), builder)
-    volume = _decibels(given.get("volume", "medium"), builder)
+    rate = _rate(given["rate"], builder) if "rate" in given else None
+    pitch = _semitones(given["pitch"], builder) if "pitch" in given else None
+    volume = _decibels(given["volume"], builder) if "volume" in given else None
     _spoken(builder, rate, pitch, volume)
 
 
@@ -130,14 +130,14 @@ def _rate(text: str, builder: Builder) -> float:
     return rate
 
 
-def _semitones(text: str, builder: Builder) -> float:
+def _semitones(text: str, builder: Builder) -> float | None:
     if text.strip() in PITCHES:
         return PITCHES[text.strip()]
     found = re.fullmatch(r"([+-]\d+(?:\.\d+)?)(st|%)", text.strip())
     if found is None:
         if re.fullmatch(r"[+-]?\d+(?:\.\d+)?(Hz)?", text.strip(), re.IGNORECASE):
             builder.note(f"prosody: a pitch of {text} is not followed; give it as +2st or +10%")
-            return 0.0
+            return None
         raise InputError(f"a pitch is such as high, +2st or -10%, not {text!r}")
     if found[2] == "st":
         pitch = float(found[1])
@@ -152,12 +152,12 @@ def _semitones(text: str, builder: Builder) -> float:
     return round(pitch, 6)
 
 
-def _decibels(text: str, builder: Builder) -> float:
+def _decibels(text: str, builder: Builder) -> float | None:
     if text.strip() in VOLUMES:
         return VOLUMES[text.strip()]
     if re.fullmatch(r"[+-]\d+(\.\d+)?%?|\d+(\.\d+)?%", text.strip()):
         builder.note(f"prosody: a volume of {text} is not followed; give it as +3dB")
-        return 0.0
+        return None
     found = re.fullmatch(r"([+-]?\d+(?:\.\d+)?)(dB)?", text.strip())
     if found is None:
         raise InputError(f"a volume is such as soft or +3dB, not {text!r}")
@@ -169,11 +169,11 @@ def _decibels(text: str, builder: Builder) -> float:
     return round(20 * log10(share), 6) if share > 0 else -90.0
 
 
-def _spoken(builder: Builder, rate: float, pitch: float, volume: float) -> None:
+def _spoken(builder: Builder, rate: float | None, pitch: float | None, volume: float | None) -> None:
     here = builder.point()
 
     def close() -> None:
-        if (rate, pitch, volume) != (1.0, 0.0, 0.0):
+        if (rate, pitch, volume) != (None, None, None):
             builder.prosody.append(Prosody(here, builder.point(after=True), rate, pitch, volume))
 
     builder.opened[-1].close = close

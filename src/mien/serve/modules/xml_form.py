@@ -216,7 +216,8 @@ def _point(item: Element) -> Point:
 def _prosody(item: Element) -> Prosody:
     fields = _Fields(item)
     start, end = Moment.parse(fields.text("from")), Moment.parse(fields.text("to"))
-    return Prosody(start, end, fields.number("rate", 1.0), fields.number("pitch", 0.0), fields.number("volume", 0.0))
+    asked = {name: fields.number(name) for name in ("rate", "pitch", "volume") if name in item.attrib}
+    return Prosody(start, end, **asked)
 
 
 def _directed_emotion(item: Element) -> DirectedEmotion:
