@@ -41,8 +41,8 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
 
     Examples
     --------
-    >>> load_learned_performer("default").motion.layout_
-    'mediapipe-218'
+    >>> load_learned_performer("default").motion.mouth_.kind
+    'channels'
     """
     learned = [performer for performer in known_performers() if performer != AUTHORED]
     if isinstance(name, Path) or str(name).lower().endswith(".mien"):
