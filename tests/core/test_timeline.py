@@ -86,3 +86,11 @@ def test_timecode_counts_whole_frames() -> None:
     assert timecode(0, FrameRate.of(30)) == "00:00:00:00.000"
     assert timecode(30 * 3661 + 7, FrameRate.of(30)) == "01:01:01:07.000"
     assert timecode(30, FrameRate.of(29.97)) == "00:00:01:00.000"
+
+
+@pytest.mark.parametrize(
+    "value", ["1e99999999", "1e-99999999", "9" * 1000, "1/" + "9" * 1000, "nan", float("inf"), None]
+)
+def test_rates_that_would_take_minutes_are_refused(value: object) -> None:
+    with pytest.raises(InputError, match="a frame rate is"):
+        FrameRate.of(value)  # type: ignore[arg-type]

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.core.limits import fraction_of
 
 __all__ = ["MAX_FPS", "FrameRate", "Interval", "Tier", "timecode"]
 
@@ -57,9 +58,11 @@ class FrameRate:
         if isinstance(value, FrameRate):
             return value
         try:
-            exact = Fraction(value) if not isinstance(value, str) else Fraction(value.strip())
-        except (ValueError, ZeroDivisionError, OverflowError) as problem:
-            raise InputError(f"a frame rate is a number above 0 such as 30 or 29.97, not {value!r}") from problem
+            exact = fraction_of(value, "rate")
+        except InputError as problem:
+            raise InputError(
+                f"a frame rate is a number above 0 such as 30 or 29.97, not {str(value)[:40]!r}"
+            ) from problem
         if not 0 < exact <= MAX_FPS:
             raise InputError(f"a frame rate is above 0 and at most {MAX_FPS} frames per second, not {value}")
         for ntsc in (24, 30, 48, 60, 120):

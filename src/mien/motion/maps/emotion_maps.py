@@ -271,14 +271,12 @@ def emotion_maps_from(content: Mapping[str, Any], arrays: Arrays) -> EmotionMaps
     KeyError, ValueError, TypeError
         If something is missing or does not fit.
     """
-    from fractions import Fraction
-
     maps, counts = {}, {}
     for number, told in enumerate(content["maps"]):
         begin = f"{PREFIX}{number}/"
         own = {name.removeprefix(begin): value for name, value in arrays.items() if name.startswith(begin)}
         step = (str(told["from"]), str(told["to"]))
         maps[step], counts[step] = _mapping_from(told, own), int(told["sentences"])
-    rate = FrameRate.of(Fraction(content["rate"]))
+    rate = FrameRate.of(content["rate"])
     rest = np.asarray(arrays[f"{PREFIX}rest"], dtype=np.float64)
     return EmotionMaps(content["layout"], tuple(content["markers"]), rate, rest, maps, counts)
