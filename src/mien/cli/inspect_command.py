@@ -43,7 +43,7 @@ def _inspect(options: argparse.Namespace) -> int:
     if options.output is None:
         print(told)
         return 0
-    from mien.inspection.pictures import DEFAULT_WORD, pictures_of
+    from mien.inspection.performer_pictures import DEFAULT_WORD, pictures_of
 
     word = DEFAULT_WORD if options.word is None else options.word
     pictures = pictures_of(learned, options.phones, word)

@@ -34,7 +34,7 @@ from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
 from mien.cli.help_page import help_page, options_of, with_suggestion
-from mien.cli.progress import progress_bar, telling
+from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note

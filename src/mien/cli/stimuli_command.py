@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import Any
 
-from mien.cli.progress import progress_bar
+from mien.cli.progress_bar import progress_bar
 
 __all__ = ["add_commands"]
 

@@ -69,7 +69,7 @@ def test_models_that_listen_get_the_sound_and_others_are_asked_as_ever(graph, bo
     heard = []
 
     class Listening(GraphMotion):
-        def synthesise_heard(self, phones, times, audio):
+        def synthesise_heard(self, phones, times, audio, felt=None):
             heard.append(audio)
             return graph.synthesise(phones, times)
 

@@ -33,11 +33,12 @@ from mien.motion.graph.query import SpokenPhones, spoken_phones
 from mien.motion.graph.search import cheapest_nodes
 from mien.motion.graph.smoothing import learned_cut_offs, low_passed
 from mien.motion.graph.sound import SOUND_RATE, heard_features
+from mien.motion.graph.weight_learning import learn_weights
 from mien.motion.mouth.lip_closure import LipClosure
 from mien.motion.mouth.mouth_space import MouthSpace, mouth_space_of
 from mien.motion.mouth.recorded_mouths import recorded_mouths
 
-__all__ = ["GRID_RATE", "LEARNED_START", "PAPER_WEIGHTS", "GraphMotion", "GraphMotionSettings", "covering", "trimmed"]
+__all__ = ["GRID_RATE", "PAPER_WEIGHTS", "GraphMotion", "GraphMotionSettings", "covering", "trimmed"]
 
 MARGIN = 0.32
 """Seconds before and after speech that the code of the motion is learned with, as in `speech_motion`."""
@@ -46,8 +47,6 @@ KEPT = 0.3
 GRID_RATE = 100.0
 """Instants per second at which motion is joined and smoothed; frames are read off between them."""
 PAPER_WEIGHTS = SearchWeights()
-LEARNED_START = SearchWeights(jump=1.0, join=1.0, audio=1.0, duration=2.0)
-"""Where the learning of the weights begins, and what is used where too few takes are there to learn from."""
 
 Floats = NDArray[np.float64]
 
@@ -143,8 +142,6 @@ class GraphMotion:
         self.cut_offs_ = learned_cut_offs([self.code_.separate(move) for move in moves], chains[0].motion_rate.fps)
         weights, evenness = self.settings.weights, self.settings.evenness
         if weights is None or evenness is None:
-            from mien.motion.graph.weight_learning import learn_weights
-
             weights, evenness = learn_weights(self, takes, chains, weights, evenness, after_trial)
         chains += [self._chain(trimmed(take)) for take in felt]
         graph, self.steps_ = snapped_graph(build_graph(chains, self.mouth_.points, instants=True))

@@ -8,23 +8,22 @@ inside speech; closures not held). The join's weight stays 1: only ratios matter
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
 from mien.corpus.take import Take
 from mien.motion.graph.costs import SearchWeights
-from mien.motion.graph.graph import RecordedChain, build_graph
+from mien.motion.graph.graph import AnimeGraph, RecordedChain, build_graph
 from mien.motion.graph.sound import heard_features
 from mien.motion.mouth.mouth_space import MouthSpace
 
-if TYPE_CHECKING:
-    from mien.motion.graph.graph_motion import GraphMotion
-
-__all__ = ["TRIALS", "learn_weights"]
+__all__ = ["LEARNED_START", "TRIALS", "Searched", "learn_weights"]
 
 HELD_OUT = 8
 """One take in so many is held out ..."""
@@ -41,7 +40,23 @@ _TRIED: dict[str, tuple[float, ...]] = {
 TRIALS = 1 + 2 * sum(len(values) for values in _TRIED.values())
 """How often `learn_weights` tells that it has gone on: as many trials as it can need."""
 
+LEARNED_START = SearchWeights(jump=1.0, join=1.0, audio=1.0, duration=2.0)
+"""Where the learning of the weights begins, and what is used where too few takes are there to learn from."""
+
 Floats = NDArray[np.float64]
+
+
+class Searched(Protocol):
+    """What is tried: a model that takes a graph with weights, and performs features of sound (`GraphMotion`)."""
+
+    settings: Any
+    mouth_: MouthSpace
+
+    def restore(self, graph: AnimeGraph, weights: SearchWeights, evenness: float) -> Any:
+        """Take a graph and weights."""
+
+    def perform_features(self, phones: Tier, times: Floats, features: Floats | None) -> Floats:
+        """Motion at instants."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +72,7 @@ class _Choice:
 
 
 def learn_weights(
-    motion: GraphMotion,
+    motion: Searched,
     takes: Sequence[Take],
     chains: Sequence[RecordedChain],
     weights: SearchWeights | None,
@@ -68,7 +83,7 @@ def learn_weights(
 
     Parameters
     ----------
-    motion : GraphMotion
+    motion : Searched
         With code and cut-offs learned; it is left as it is.
     takes, chains : sequences
         The same takes, ready to be a graph.
@@ -77,8 +92,6 @@ def learn_weights(
     after_trial : callable
         Called `TRIALS` times, to show progress.
     """
-    from mien.motion.graph.graph_motion import LEARNED_START, GraphMotion
-
     start = _Choice(weights or LEARNED_START, 0.5 if evenness is None else evenness)
     if len(takes) < LEAST_TAKES:
         _tell_rest(after_trial, 0)
@@ -86,9 +99,8 @@ def learn_weights(
     held = list(range(HELD_OUT // 2, len(takes), HELD_OUT))
     held = held[:: -(-len(held) // MOST_HELD_OUT)]
     graph = build_graph([c for place, c in enumerate(chains) if place not in held], motion.mouth_.points, instants=True)
-    trial = GraphMotion(replace(motion.settings, hold_closures=False))
-    trial.code_, trial.cut_offs_, trial.closure_ = motion.code_, motion.cut_offs_, motion.closure_
-    trial.mouth_ = motion.mouth_
+    trial = copy(motion)
+    trial.settings = replace(motion.settings, hold_closures=False)
     tests = [_Test.of(takes[place], motion.mouth_) for place in held]
     free = [name for name in _TRIED if (evenness if name == "evenness" else weights) is None]
 
@@ -146,7 +158,7 @@ class _Test:
             kept &= (times >= spoken[0].start - 0.08) & (times <= spoken[-1].end + 0.08)
         return cls(take, heard_features(take.audio, take.phones), times[kept], flat[kept])
 
-    def missed(self, motion: GraphMotion) -> float:
+    def missed(self, motion: Searched) -> float:
         """RMS over the points of the mouth and frames, mm."""
         if not len(self.times):
             return 0.0

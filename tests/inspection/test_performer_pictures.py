@@ -12,7 +12,7 @@ from mien.inspection.coverage_picture import draw_coverage
 from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_heard, read_sequence
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
-from mien.inspection.pictures import pictures_of
+from mien.inspection.performer_pictures import pictures_of
 from mien.motion.mouth.articulation import articulation_table
 from tests.inspection.performers import known_performer, small_performer
 

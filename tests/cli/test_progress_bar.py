@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mien.cli import progress
+from mien.cli import progress_bar as progress
 from mien.core.progress import tell
 
 
