@@ -148,7 +148,10 @@ def count_calls(made: Counter[str], module: str, name: str, method: str) -> None
 def run_child(kind: str, arguments: list[str]) -> dict[str, Any]:
     """The JSON that a fresh process prints last."""
     command = [sys.executable, __file__, "--child", kind, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    kept = Path(tempfile.gettempdir()) / "mien-startup-bytecode"  # an installation has its modules compiled
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"PYTHONPYCACHEPREFIX": str(kept)}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
 

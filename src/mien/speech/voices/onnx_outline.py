@@ -22,6 +22,7 @@ _RAW_DATA, _EXTERNAL_DATA, _DATA_LOCATION = 9, 13, 14
 _KEY, _VALUE = 1, 2
 _EXTERNAL = 1
 _LENGTH_DELIMITED = 2
+_LONGEST = 10  # bytes of a number
 _SMALLEST = 4096
 """Bytes from which a weight is left where it is."""
 
@@ -33,6 +34,7 @@ class _Parts:
         self.paths = paths
         self.maps = [_mapped(path) for path in paths]
         self.starts = [0, *accumulate(len(part) for part in self.maps)]
+        self._here = 0, self.starts[1], self.maps[0]
 
     def bytes(self, start: int, stop: int) -> bytes:
         number = bisect_right(self.starts, start) - 1
@@ -53,7 +55,12 @@ class _Parts:
     def varint(self, place: int) -> tuple[int, int]:
         """A number and the place behind it."""
         value = shift = 0
-        for byte in self.bytes(place, place + 10):
+        first, last, part = self._here
+        if not first <= place < last:
+            number = min(bisect_right(self.starts, place), len(self.maps)) - 1
+            first, last, part = self._here = self.starts[number], self.starts[number + 1], self.maps[number]
+        ahead = part[place - first : place - first + _LONGEST] if place + _LONGEST <= last else None
+        for byte in self.bytes(place, place + _LONGEST) if ahead is None else ahead:
             place += 1
             value |= (byte & 0x7F) << shift
             shift += 7
@@ -106,22 +113,20 @@ def outline(paths: Sequence[Path]) -> tuple[bytes, Path]:
     model = []
     for number, start, content, end in parts.fields(0, parts.starts[-1]):
         if number == _GRAPH:
-            graph = b"".join(
-                _outlined(parts, inner_content, inner_end, folder)
-                if inner == _INITIALIZER
-                else parts.bytes(inner_start, inner_end)
-                for inner, inner_start, inner_content, inner_end in parts.fields(content, end)
-            )
-            model.append(_field(_GRAPH, graph))
+            graph, copied = [], content  # what lies between large weights is copied as it stands
+            for inner, inner_start, inner_content, inner_end in parts.fields(content, end):
+                if inner == _INITIALIZER and inner_end - inner_content >= _SMALLEST:
+                    graph += [parts.bytes(copied, inner_start), _outlined(parts, inner_content, inner_end, folder)]
+                    copied = inner_end
+            graph.append(parts.bytes(copied, end))
+            model.append(_field(_GRAPH, b"".join(graph)))
         else:
             model.append(parts.bytes(start, end))
     return b"".join(model), folder
 
 
 def _outlined(parts: _Parts, start: int, end: int, folder: Path) -> bytes:
-    """The field of one weight, without its numbers if they are many and lie in one file."""
-    if end - start < _SMALLEST:
-        return _field(_INITIALIZER, parts.bytes(start, end))
+    """The field of one weight, without its numbers if they lie in one file."""
     kept = []
     for number, field, content, stop in parts.fields(start, end):
         found = parts.within_one(content, stop) if number == _RAW_DATA else None

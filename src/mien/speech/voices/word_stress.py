@@ -38,15 +38,31 @@ def stress_of(word: str, phones: tuple[str, ...]) -> str:
     if syllables <= 1:
         return "1" * syllables
     vowels = "-".join(filter(is_vowel, phones))
-    entries = [entry for entry in _table().get(word.lower(), ()) if len(entry.partition("/")[0]) == syllables]
+    entries = [entry for entry in _patterns(word.lower()) if len(entry.partition("/")[0]) == syllables]
     fitting = [entry for entry in entries if entry.endswith(f"/{vowels}")] or entries
     return fitting[0].partition("/")[0] if fitting else _by_ending(word.lower(), syllables)
 
 
 @cache
+def _text() -> bytes:
+    """A line for each word, each with a line feed before it."""
+    return b"\n" + gzip.decompress((files("mien") / "assets/voices/stress.txt.gz").read_bytes())
+
+
+@cache
+def _patterns(word: str) -> tuple[str, ...]:
+    """What the table has of one word; a line needs a few words of a hundred thousand."""
+    text, sought = _text(), f"\n{word} ".encode()
+    place = text.find(sought)
+    if place < 0:
+        return ()
+    start = place + len(sought)
+    return tuple(text[start : text.find(b"\n", start)].decode().split())
+
+
+@cache
 def _table() -> dict[str, tuple[str, ...]]:
-    packed = (files("mien") / "assets/voices/stress.txt.gz").read_bytes()
-    lines = gzip.decompress(packed).decode("utf-8").splitlines()
+    lines = _text().decode("utf-8").splitlines()[1:]
     return {word: tuple(patterns) for word, *patterns in map(str.split, lines)}
 
 
