@@ -111,6 +111,7 @@ def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxr
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     if weights is not None:
         options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL
+        options.enable_mem_pattern = False  # sentences differ in length: a pattern for each only takes memory
         options.add_session_config_entry("session.model_external_initializers_file_folder_path", str(weights))
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
