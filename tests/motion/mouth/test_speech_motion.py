@@ -1,5 +1,8 @@
+import json
 import zipfile
+from copy import copy
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -256,3 +259,29 @@ def test_a_corpus_is_learned_without_what_is_left_out(recorded, tmp_path):
         learn_corpus(corpus, SETTINGS, exclude_names=["nobody"])
     with pytest.raises(InputError, match="no neutral take is left"):
         learn_corpus(corpus, SETTINGS, exclude_words=[f"word{k}" for k in range(5)])
+
+
+def test_files_of_version_3_move_their_markers(learned, tmp_path):
+    save_learned(learned, tmp_path / "now.mien")
+    with zipfile.ZipFile(tmp_path / "now.mien") as now, zipfile.ZipFile(tmp_path / "old.mien", "w") as old:
+        for name in now.namelist():
+            content = now.read(name)
+            if name == "performer.json":
+                told = json.loads(content) | {"version": 3, "layout": "mediapipe-218", "markers": NAMES}
+                del told["mouth"]
+                speech = told["settings"]["speech"]
+                speech["lip_emphasis"] = 1.5
+                for newer in ("as_recorded", "learn_in"):
+                    del speech[newer]
+                content = json.dumps(told).encode()
+            if name == "speech/closing.npy":
+                way = BytesIO()
+                np.save(way, learned.motion.closure_.closing_.reshape(-1, 3))
+                content = way.getvalue()
+            if name != "speech/spread.npy":
+                old.writestr(name, content, zipfile.ZIP_STORED)
+    again = load_learned(tmp_path / "old.mien").motion
+    plain = copy(learned.motion)
+    plain.spread_ = None
+    assert again.mouth_.names == NAMES
+    assert np.array_equal(again.synthesise(EVERY_PHONE, TIMES), plain.synthesise(EVERY_PHONE, TIMES))
