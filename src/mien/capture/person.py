@@ -107,6 +107,11 @@ class Person:
             ),
         )
 
+    def apart_from_speech(self) -> Person:
+        """The same person for motion that is added to other motion: no distance across lips or lids means shut."""
+        loose = (replace(seen, opening=replace(seen.opening, shut_mm=None, shut_by=None)) for seen in self.openings)
+        return replace(self, openings=tuple(loose))
+
 
 def fit_person(
     tracks: Sequence[MarkerTrack],

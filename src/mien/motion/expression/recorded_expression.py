@@ -7,16 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture import capture_take, fit_person
+from mien.core.channels import ALL
 from mien.core.errors import InputError, Note
+from mien.core.timeline import FrameRate
+from mien.core.tracks import MarkerTrack
+from mien.corpus.capturing import source_of
 from mien.corpus.take import Take
-from mien.face.library import load_face
 from mien.face.model import Face
 from mien.motion.expression.expression import Expression
 from mien.motion.expression.expression_file import RecordedExpressions, rounded
 from mien.motion.expression.expression_motion import Twins, expressive_displacement, find_twins
 from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
 from mien.motion.expression.hand_made_performance import authored_expression, without_eyelids
-from mien.motion.marker_channels import MarkerChannels
 
 __all__ = ["expression_of", "learn_expressions"]
 
@@ -33,7 +36,7 @@ def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> Record
     takes : sequence of Take
         Expressive and neutral ones, of one layout.
     face : Face or None
-        The face whose channels are carried; None takes the default face.
+        The face whose channels are carried; None takes a head shaped after the speaker (`mien.capture`).
 
     Raises
     ------
@@ -57,24 +60,28 @@ def learn_expressions(takes: Sequence[Take], face: Face | None = None) -> Record
                 f"{faults[0]}"
             )
         return None
-    to_channels = _ChannelsOfMarkers(twins[0], face or load_face("default"))
+    to_channels = _ChannelsOfMarkers(twins[0], face)
     space = ExpressionSpace().fit({name: [to_channels.stretch(rows) for rows in found] for name, found in kept.items()})
     return RecordedExpressions(rounded(space), tuple(Note("warning", f"left out: {fault}") for fault in faults))
 
 
 class _ChannelsOfMarkers:
-    """The channels of a face that move its marker places as a speaker's markers moved."""
+    """What an expression does to the speaker's own face, captured from how it moves the markers."""
 
-    def __init__(self, twins: Twins, face: Face) -> None:
+    def __init__(self, twins: Twins, face: Face | None) -> None:
         take = twins.neutral
         rest = np.asarray(np.nanmean(take.markers.positions, axis=0))
         lids = set(take.markers.names) - set(without_eyelids(take.layout))
         self.kept = [place for place, name in enumerate(take.markers.names) if name not in lids]
-        self.face = MarkerChannels(take.layout, take.markers.names, rest, face)
+        self.names, self.layout, self.rest = take.markers.names, take.layout, rest
+        source = source_of(take.layout, take.head)
+        self.person = fit_person([take.markers], take.layout, source, neutral=rest, face=face).apart_from_speech()
 
     def stretch(self, displacement: Floats) -> ExpressiveMotion:
         """Expressive motion of a displacement, shape (samples, markers, 3): eyelids carried, not in the space."""
-        carried = self.face.channels_of(displacement, RATE)
+        track = MarkerTrack(self.names, self.rest + displacement, FrameRate.of(RATE))
+        captured = capture_take(track, self.layout, head=self.person).channels
+        carried = captured.select(ALL).values
         return ExpressiveMotion(displacement[:, self.kept].reshape(len(displacement), -1), carried)
 
 
