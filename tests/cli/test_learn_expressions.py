@@ -52,9 +52,9 @@ def test_recolor_takes_the_learned_map(performer: Path, tmp_path: Path, capsys: 
 def test_the_performer_smiles_as_recorded_and_borrows_the_rest(performer: Path) -> None:
     happy = mien.say("Me too.", performer=performer, emotion="happy")
     assert happy.channels.channel("mouthSmileLeft").mean() == pytest.approx(0.5, abs=0.2)
-    assert not [note for note in happy.notes if "authored" in note.message]
+    assert not [note for note in happy.notes if "hand-made" in note.message]
     sad = mien.say("Me too.", performer=performer, emotion="sad")
-    assert [note.message for note in sad.notes if "authored" in note.message] == [
+    assert [note.message for note in sad.notes if "hand-made" in note.message] == [
         "sad was not recorded for this performer: its motion is hand-made"
     ]
 
