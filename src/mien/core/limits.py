@@ -70,6 +70,7 @@ LIMITS: dict[str, Limit] = {
     "keys": Limit(1_000_000, "keys"),
     "levels": Limit(200, "levels, one inside the other"),
     "elements": Limit(1_000_000, "elements"),
+    "word": Limit(200, "letters in one word"),
     "name": Limit(10_000, "characters in a name"),
     "stimuli": Limit(1_000_000, "stimuli"),
     "digits": Limit(400, "characters in a number"),

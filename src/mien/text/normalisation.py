@@ -12,6 +12,7 @@ import unicodedata
 from dataclasses import replace
 
 from mien.core.errors import InputError, Note
+from mien.core.limits import check_size
 from mien.text.heteronyms import with_heteronyms
 from mien.text.pronunciation import Pronunciation, pronounce
 from mien.text.spoken_numbers import english_table
@@ -156,7 +157,11 @@ def _scan(text: str) -> list[SpokenWord]:
             continue
         name = match.lastgroup or ""
         for start, end, spoken in READERS[name](match, text, shouting):
-            words += [SpokenWord(word, start, end) for word in spoken.split()]
+            new = [SpokenWord(word, start, end) for word in spoken.split()]
+            check_size(
+                "word", max((len(word.text) for word in new), default=0), f"the word {text[start : start + 20]!r}"
+            )
+            words += new
         place = match.end()
         if name == "abbreviation" and _LAST.match(text, place):
             _note_pause(words, ".")
