@@ -21,7 +21,9 @@ Finish = Callable[[Any, Any, argparse.Namespace], int]
 def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
     """Add ``mien face retarget``; ``checked_face`` checks the outputs first, ``finish`` writes them."""
     parser = kinds.add_parser("retarget", help="recorded markers on any face, and what that face cannot show of them")
-    parser.add_argument("motion", metavar="CORPUS|LINE.json", help="a corpus, or an animation that has markers")
+    parser.add_argument(
+        "motion", metavar="CORPUS|LINE.json", help="a corpus, or an animation: its markers or landmarks"
+    )
     parser.add_argument("--take", metavar="NAME", help="the take of the corpus")
     parser.add_argument(
         "-o", "--output", metavar="OUT", required=True, help="file to write; its suffix picks the format"
@@ -72,7 +74,12 @@ def _recorded(options: argparse.Namespace) -> tuple[Animation, str, Any]:
             raise InputError("--take is for a corpus")
         animation = read_native(options.motion)
         if animation.markers is None:
-            raise InputError(f"{options.motion} has no markers: only performers that move markers leave some")
+            from dataclasses import replace
+
+            from mien.metrics.face_track import shown_landmarks
+
+            animation = replace(animation, markers=shown_landmarks(animation.channels))  # as the default face moves
+            assert animation.markers is not None
         return animation, find_layout(animation.markers.names, options.motion).name, None
     from importlib.metadata import version
 
