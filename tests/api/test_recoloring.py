@@ -49,7 +49,7 @@ def test_it_is_what_the_performer_would_have_done(sad: Animation) -> None:
     other, wanted = recolor(sad, "happy:0.7"), spoken("happy:0.7")
     assert np.allclose(other.channels.values, wanted.channels.values, atol=1e-9)
     assert other.score == wanted.score
-    assert any("authored" in note.message for note in other.notes)
+    assert any("hand-made" in note.message for note in other.notes)
 
 
 def test_there_and_back_again(sad: Animation) -> None:
@@ -111,7 +111,7 @@ def test_a_learned_map_changes_an_animation() -> None:
     assert abs(column(happy, "browInnerUp") - column(plain, "browInnerUp")).mean() < 0.1
     assert any("learned from recordings: neutral to happy (4 sentences)" in note.message for note in happy.notes)
     authored = recolor(plain, "happy", performer(), "authored")
-    assert any("is authored" in note.message for note in authored.notes)
+    assert any("is hand-made" in note.message for note in authored.notes)
     assert np.array_equal(happy.channels.values, recolor(plain, "happy", performer()).channels.values)
 
 
@@ -133,7 +133,7 @@ def test_a_take_comes_near_to_what_was_recorded() -> None:
     with pytest.raises(InputError, match="no map from 'neutral' to 'angry'"):
         recolor_take(neutral, "angry", performer(), "learned")
     laid = recolor_take(neutral, "angry", "authored")
-    assert any("'angry' is authored" in note.message for note in laid.notes)
+    assert any("'angry' is hand-made" in note.message for note in laid.notes)
     assert laid.markers is not None
     lowered = (laid.markers.positions - neutral.markers.positions)[:, neutral.markers.names.index(BROW), 1]
     assert lowered.mean() < -1.0

@@ -355,7 +355,7 @@ def _laid_over(animation: Animation, span: EmotionSpan, actor: Performer, seed: 
 def _authored(actor: Performer, span: EmotionSpan) -> tuple[Note, ...]:
     if not isinstance(actor.expression, Expression) or span.name not in actor.expression.authored - {NEUTRAL}:
         return ()
-    return (Note("note", f"the expression {span.name!r} is authored, not learned from recordings"),)
+    return (Note("note", f"the expression {span.name!r} is hand-made, not learned from recordings"),)
 
 
 def _maker(animation: Animation, actor: Performer) -> Performer:

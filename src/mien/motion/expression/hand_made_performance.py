@@ -46,7 +46,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 TABLE = "emotions.toml"
 LAYOUT = "face-102"
-"""Markers on which the space of the authored repertoire is learned: a set like that of Deng et al. 2006."""
+"""Markers on which the space of the hand-made repertoire is learned: a set like that of Deng et al. 2006."""
 DERIVED = "expression_axes"
 SOURCES = ("performance/emotions.toml", "facs/units.toml", f"markers/{LAYOUT}.toml", "faces/default.npz")
 """Files of ``assets`` that the space is worked out from."""
@@ -94,7 +94,7 @@ def sealed_share() -> Floats:
 
 @cache
 def authored_space() -> ExpressionSpace:
-    """The expression space of the authored repertoire."""
+    """The expression space of the hand-made repertoire."""
     return ExpressionSpace().fit(authored_sources())
 
 

@@ -86,7 +86,7 @@ class _ChannelsOfMarkers:
 
 
 def expression_of(recorded: RecordedExpressions | None) -> Expression:
-    """The expression model of a performer: what was recorded, and the authored repertoire for what was not."""
+    """The expression model of a performer: what was recorded, and the hand-made repertoire for what was not."""
     authored = authored_expression()
     if recorded is None:
         return authored
