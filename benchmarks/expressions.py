@@ -14,8 +14,8 @@ mediapipe-218 on the default face: brows (landmarks 55 285 and 70 300), lip corn
 (159 145 and 386 374). Real faces: three actors, one sentence, 25 frames/s, a face tracker; displacement from the same
 actor's neutral, mean of three. Speech is in both. Upper face: both brows and the lids; mouth: corner, width, opening;
 cosine between ours and theirs; size: the length of ours over theirs, asymmetry left out. At a ceiling: the largest
-share of frames in which one channel stands at 1 (blinks left out). Lips: distance of landmarks 13 and 14 in three dimensions
-at the nearest frame of each /p b m/ between phones.
+share of frames in which one channel stands at 1 (blinks left out). Lips: distance of landmarks 13 and 14 in three
+dimensions at the nearest frame of each /p b m/.
 """
 
 from __future__ import annotations
@@ -281,7 +281,8 @@ def sampling() -> list[str]:
         "",
         f"Three components keep {space.space_.share_:.1%} of the variance ("
         + ", ".join(f"{share:.1%}" for share in shares)
-        + f"). Means over all emotions and {SEEDS} seeds, 10 s each; spread, speed and its change as ratios to the source's.",
+        + f"). Means over all emotions and {SEEDS} seeds, 10 s each; "
+        "spread, speed and its change as ratios to the source's.",
         "",
         "| patches | joints | no patch fitted | copied on | spread | speed | change of speed |",
         "| --- | --- | --- | --- | --- | --- | --- |",
