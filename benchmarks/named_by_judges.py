@@ -50,7 +50,7 @@ SENTENCES = (
     "Did you see what they put on the table?",
     "My brother bought the blue book.",
 )
-SIDE, STEP = 360, 4
+SIDE, STEP = 320, 5
 SEEN = ("angry", "disgusted", "afraid", "happy", "sad", "surprised", "neutral")
 """What the judge says, in the order of its outputs."""
 CROPS = (0.84, 0.92, 1.0)
