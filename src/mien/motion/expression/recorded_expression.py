@@ -7,12 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture import capture_take, fit_person
 from mien.core.channels import ALL
 from mien.core.errors import InputError, Note
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
-from mien.corpus.capturing import source_of
 from mien.corpus.take import Take
 from mien.face.model import Face
 from mien.motion.expression.expression import Expression
@@ -69,6 +67,9 @@ class _ChannelsOfMarkers:
     """What an expression does to the speaker's own face, captured from how it moves the markers."""
 
     def __init__(self, twins: Twins, face: Face | None) -> None:
+        from mien.capture import fit_person  # learning needs them, performing does not: they take long to load
+        from mien.corpus.capturing import source_of
+
         take = twins.neutral
         rest = np.asarray(np.nanmean(take.markers.positions, axis=0))
         lids = set(take.markers.names) - set(without_eyelids(take.layout))
@@ -79,6 +80,8 @@ class _ChannelsOfMarkers:
 
     def stretch(self, displacement: Floats) -> ExpressiveMotion:
         """Expressive motion of a displacement, shape (samples, markers, 3): eyelids carried, not in the space."""
+        from mien.capture import capture_take
+
         track = MarkerTrack(self.names, self.rest + displacement, FrameRate.of(RATE))
         captured = capture_take(track, self.layout, head=self.person).channels
         carried = captured.select(ALL).values
