@@ -205,6 +205,7 @@ def _outcome(target: Target, path: Path) -> tuple[str, str]:
 def _watch(child: int, log: Path) -> str:
     """Wait for a process; returns how it was lost, empty if it ended as it should."""
     size, since, used = 0, time.monotonic(), 0.0
+    held = _megabytes(os.getpid())  # what the child has from us
     while True:
         ended, status = os.waitpid(child, os.WNOHANG)
         if ended:
@@ -213,7 +214,7 @@ def _watch(child: int, log: Path) -> str:
         if now != size:
             size, since, used = now, time.monotonic(), _processor_seconds(child)
         slow = _processor_seconds(child) - used > SECONDS or time.monotonic() - since > 8 * SECONDS
-        kind = "hang" if slow else "memory" if _megabytes(child) > MEGABYTES else ""
+        kind = "hang" if slow else "memory" if _megabytes(child) - held > MEGABYTES else ""
         if kind:
             os.kill(child, 9)
             os.waitpid(child, 0)
