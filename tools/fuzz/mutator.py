@@ -41,8 +41,8 @@ def mutated(content: bytes, random: Random, others: Sequence[bytes]) -> bytes:
         Further files of the kind, to take pieces from.
     """
     for _ in range(int(random.integers(1, 7)) if random.random() < 0.7 else 1):
-        content = _one(content, random, others)
-    return content[:20_000_000]
+        content = _one(content, random, others)[:5_000_000]
+    return content
 
 
 def _one(content: bytes, random: Random, others: Sequence[bytes]) -> bytes:
@@ -128,7 +128,8 @@ def _line(content: bytes, random: Random, others: Sequence[bytes]) -> bytes:
     elif kind < 0.6:
         lines[one], lines[two] = lines[two], lines[one]
     else:
-        lines[one:one] = [lines[two]] * int(random.choice([1, 2, 500]))
+        times = min(int(random.choice([1, 2, 500])), 1 + 2_000_000 // (len(lines[two]) + 1))
+        lines[one:one] = [lines[two]] * times
     return b"\n".join(lines)
 
 
