@@ -82,7 +82,7 @@ def performances() -> list[np.ndarray]:
     """Weights of six sentences in six emotions, with rest before each: ARKit alone, no two antagonists at once."""
     sought, found = knowledge().channels["tracker"], []
     for text, emotion in SPOKEN:
-        animation = say(text, emotion=emotion, performer="authored", fps=RATE.fps, seed=1, prosody=0)
+        animation = say(text, emotion=emotion, performer="hand-made", fps=RATE.fps, seed=1, prosody=0)
         weights = np.clip(animation.channels.select(WEIGHTS).values, 0, 1)
         weights[:, [i for i, name in enumerate(WEIGHTS) if name not in sought]] = 0
         for one, other in knowledge().antagonists:

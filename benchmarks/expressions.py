@@ -39,9 +39,9 @@ from mien.face.library import load_face
 from mien.metrics.closure import ClosureCounts, closure_counts
 from mien.motion.expression.expression_space import RATE, ExpressionSettings, ExpressionSpace
 from mien.motion.expression.hand_made_performance import (
-    authored_expression,
-    authored_performance,
-    authored_space,
+    hand_made_expression,
+    hand_made_performance,
+    hand_made_space,
     marker_basis,
 )
 from mien.motion.expression.patch_sampling import PatchSettings
@@ -147,7 +147,7 @@ def faces(stage: Stage) -> list[str]:
     layout, basis = stage.layout, stage.basis
 
     def performed(emotion: str) -> Floats:
-        return layout.places + (authored_performance(emotion) @ basis).reshape(-1, len(layout.markers), 3)
+        return layout.places + (hand_made_performance(emotion) @ basis).reshape(-1, len(layout.markers), 3)
 
     neutral = stage.values()
     rest = measures(stage.positions(np.concatenate(neutral))).mean(axis=0)
@@ -164,7 +164,7 @@ def faces(stage: Stage) -> list[str]:
         "| emotion | cosine, upper face | cosine, mouth | size | at a ceiling | lips at /p b m/, mm: median | most |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
-    for emotion in ("neutral", *(name for name in authored_expression().names if name != "neutral")):
+    for emotion in ("neutral", *(name for name in hand_made_expression().names if name != "neutral")):
         made = neutral if emotion == "neutral" else stage.values(EmotionSpan(emotion))
         values = np.concatenate(made)
         ours, cells = measures(stage.positions(values)).mean(axis=0) - rest, ["", "", ""]
@@ -195,7 +195,7 @@ def faces(stage: Stage) -> list[str]:
     groups = [
         [layout.markers.index(m) for m in layout.groups[name] if m not in layout.rigid] for name in ("upper", "mouth")
     ]
-    for emotion in authored_expression().names:
+    for emotion in hand_made_expression().names:
         motion = performed(emotion)
         cells = []
         for group in groups:
@@ -250,7 +250,7 @@ def spoken(stage: Stage) -> list[str]:
         + " |",
         "| --- |" + " ---: |" * (3 + len(GRADES)),
     ]
-    for emotion in authored_expression().names:
+    for emotion in hand_made_expression().names:
         if emotion == "neutral":
             continue
         graded = [positions(EmotionSpan(emotion, intensity)) for intensity in GRADES]
@@ -273,7 +273,7 @@ def spoken(stage: Stage) -> list[str]:
 
 
 def sampling() -> list[str]:
-    space = authored_space()
+    space = hand_made_space()
     shares = space.space_.variances_ / space.space_.variances_.sum() * space.space_.share_
     lines = [
         "",

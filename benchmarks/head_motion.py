@@ -1,4 +1,4 @@
-"""Head motion from prosody: as learned from a corpus's head poses, beside the authored rule, on takes held out.
+"""Head motion from prosody: as learned from a corpus's head poses, beside the hand-made rule, on takes held out.
 
     python benchmarks/head_motion.py CORPUS [--takes 450]
 
@@ -25,7 +25,7 @@ from mien.corpus.recordings import Corpus
 from mien.corpus.take import Take
 from mien.motion.alive.head_motion import GAIN, RATE, LearnedHead
 from mien.motion.alive.idle import HEAD_SWAY, HEAD_TIME
-from mien.motion.alive.visual_prosody import AuthoredProsody
+from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.motion.drift import smooth_drift
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "head_motion.md"
@@ -52,7 +52,7 @@ def said_in(take: Take, number: int) -> Said | None:
     times = rate.times(len(take.markers))
     utterance = Utterance(take.text, take.audio, take.words, take.phones, "en-US", "aligned", ())
     random = np.random.default_rng(number)
-    ruled = AuthoredProsody(1.0).perform(utterance, rate, random)[:, [ALL.index(name) for name in HEAD]]
+    ruled = HandMadeProsody(1.0).perform(utterance, rate, random)[:, [ALL.index(name) for name in HEAD]]
     ruled = np.vstack([ruled, np.zeros((max(0, len(times) - len(ruled)), 3))])[: len(times)]
     sway = np.stack([HEAD_SWAY[name] * smooth_drift(times, HEAD_TIME, random) for name in HEAD], axis=1)
     inside = (times >= take.words.intervals[0].start - 0.1) & (times <= take.words.intervals[-1].end + 0.1)

@@ -33,7 +33,7 @@ from mien.core.utterance import PAUSE, Utterance
 from mien.face.library import load_face
 from mien.face.retargeting import basis_at
 from mien.metrics.closure import ClosureCounts, closure_counts
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
@@ -93,7 +93,7 @@ def performer() -> Performer:
 
 def visemes(labels: Sequence[str]) -> list[str]:
     """The viseme of each phone."""
-    mouth = AuthoredMouth()
+    mouth = HandMadeMouth()
     return ["rest" if label == PAUSE else mouth.visemes_of(label)[0] for label in labels]
 
 

@@ -28,7 +28,7 @@ from mien.face.library import load_face  # noqa: E402
 from mien.face.marker_sites import place_markers  # noqa: E402
 from mien.face.retargeting import basis_at  # noqa: E402
 from mien.motion.learning import LearningSettings, learn  # noqa: E402
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth  # noqa: E402
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth  # noqa: E402
 from mien.motion.mouth.learned_mouth import LearnedMouth  # noqa: E402
 from mien.motion.performer import MouthModel  # noqa: E402
 from mien.motion.performers import load_performer  # noqa: E402
@@ -95,7 +95,7 @@ def main() -> None:
     rows = [
         row("mandarin, learned from the other five", LearnedMouth(learned), takes, face),
         row("default (GRID speaker 1)", load_performer("default").mouth, takes, face),
-        row("hand-made mouth", AuthoredMouth(), takes, face),
+        row("hand-made mouth", HandMadeMouth(), takes, face),
     ]
     print("\n".join(rows))
     (ROOT / "docs" / "tables" / "mandarin.md").write_text(

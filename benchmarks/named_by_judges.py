@@ -37,7 +37,7 @@ from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.face.render.camera import Camera
 from mien.face.render.renderer import Renderer
-from mien.motion.expression.hand_made_performance import authored_expression
+from mien.motion.expression.hand_made_performance import hand_made_expression
 from mien.motion.performers import load_performer
 from mien.pipeline.perform import perform
 from mien.text.score import EmotionSpan, Score
@@ -149,7 +149,7 @@ def table(judge: Judge, face: str, intensity: float) -> list[str]:
     named = {1.0: "full strength", 0.5: "half strength"}[intensity]
     head = [f"## {face}, {named}", "", "| asked | named so | people (each) | " + " | ".join(SEEN) + " |"]
     head.append("| --- | ---: | --- |" + " ---: |" * len(SEEN))
-    for emotion in authored_expression().names:
+    for emotion in hand_made_expression().names:
         if emotion == "neutral" and intensity < 1:
             continue
         shares = confusion(judge, stage, lines, emotion, intensity)

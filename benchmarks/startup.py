@@ -38,10 +38,10 @@ PARTS: tuple[tuple[str, str, str], ...] = (
     ("sound aligned", "mien.speech.synthesis", "_aligned"),
     ("pitch found", "mien.speech.pitch", "_contour"),
     ("mouth", "mien.motion.mouth.learned_mouth", "LearnedMouth.perform"),
-    ("mouth, made by hand", "mien.motion.mouth.hand_made_mouth", "AuthoredMouth.perform"),
+    ("mouth, made by hand", "mien.motion.mouth.hand_made_mouth", "HandMadeMouth.perform"),
     ("expression", "mien.motion.expression.expression", "Expression.perform"),
-    ("signs of life", "mien.motion.alive.idle", "AuthoredIdle.perform"),
-    ("brows and nods", "mien.motion.alive.visual_prosody", "AuthoredProsody.perform"),
+    ("signs of life", "mien.motion.alive.idle", "HandMadeIdle.perform"),
+    ("brows and nods", "mien.motion.alive.visual_prosody", "HandMadeProsody.perform"),
     ("file written", "mien.cli.main", "_finish"),
     ("a frame", "mien.face.render.renderer", "Renderer.render"),
 )

@@ -101,6 +101,6 @@ def tiny_animation(frames: int = 30, rate: FrameRate | None = None, seed: int = 
         MarkerTrack(("chin", "brow"), positions, rate),
         speech,
         Score((EmotionSpan("happy", 0.6, None, half),), efforts=(EffortSpan(1.4, None, half), VOICED)),
-        Provenance("authored", 7, "0.1.0"),
+        Provenance("hand-made", 7, "0.1.0"),
         (Note("warning", "lips pass through each other in frame 3"),),
     )

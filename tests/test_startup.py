@@ -22,7 +22,7 @@ def counted(*more: str) -> dict[str, Any]:
     return found
 
 
-@pytest.fixture(scope="module", params=["default", "authored"])
+@pytest.fixture(scope="module", params=["default", "hand-made"])
 def line(request: pytest.FixtureRequest) -> dict[str, Any]:
     return counted("--performer", request.param)
 

@@ -33,8 +33,8 @@ from mien.face.model import Face, Part
 from mien.face.posing import Poser
 from mien.face.render.camera import Camera
 from mien.face.render.renderer import Renderer
-from mien.motion.expression.hand_made_performance import authored_expression
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.expression.hand_made_performance import hand_made_expression
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.performers import known_performers
 from mien.text.phones import phone_table
 from mien.text.score import EmotionSpan, Score
@@ -109,7 +109,7 @@ def _two_views(name: str, weights: NDArray[np.float64], framing: str) -> tuple[S
 
 
 def _viseme_shots() -> tuple[Shot, ...]:
-    mouth = AuthoredMouth()
+    mouth = HandMadeMouth()
     phones = {name: [p.lower() for p in sorted(phone_table()) if name in mouth.visemes_of(p)] for name in mouth.visemes}
     rest = _two_views("rest", mouth.rest.shape, "mouth")
     return rest + tuple(
@@ -121,7 +121,7 @@ def _viseme_shots() -> tuple[Shot, ...]:
 
 def _expression_shots() -> tuple[Shot, ...]:
     """Each emotion at five moments of ten seconds, the last one from the side."""
-    model, rate = authored_expression(), FrameRate.of(25)
+    model, rate = hand_made_expression(), FrameRate.of(25)
     shots: list[Shot] = []
     for name in model.names:
         values = model.perform(Score((EmotionSpan(name),)), 10.0, rate, np.random.default_rng(0))
@@ -153,7 +153,7 @@ _TONGUE_VISEMES = (
 
 def _inside_shots() -> tuple[Shot, ...]:
     """The tongue's key shapes and its single shapes: front, from below at the side, and with the near half cut away."""
-    mouth = AuthoredMouth()
+    mouth = HandMadeMouth()
     phones = {name: [p.lower() for p in sorted(phone_table()) if name in mouth.visemes_of(p)] for name in mouth.visemes}
     poses = {f"{name.replace('_', ' ')}: {' '.join(phones[name])}": _named(mouth.visemes[name].shape)
              for name in _TONGUE_VISEMES if name in mouth.visemes}  # fmt: skip
@@ -196,12 +196,12 @@ def _intensity_shots() -> tuple[Shot, ...]:
     """Every emotion at 0, 0.5 and 1 at one vowel of each of three sentences; the last row: a closed M, B or P."""
     spoken = [mien.say(text) for text in SENTENCES]
     shots = []
-    for emotion in (name for name in authored_expression().names if name != "neutral"):
+    for emotion in (name for name in hand_made_expression().names if name != "neutral"):
         for number, line in enumerate(spoken):
             said = [p for p in line.utterance.phones if p.label != "SIL"]
             vowel = [p for p in said if p.label[0] in "AEIOU"][1 + number % 2].middle
             for intensity in INTENSITIES:
-                shown = recolor(line, f"{emotion}:{intensity:g}", way="authored")
+                shown = recolor(line, f"{emotion}:{intensity:g}", way="hand-made")
                 caption = f"{emotion} {intensity:g}" if not number or intensity else ""
                 shots.append(Shot(caption, _pose(shown, vowel), "face"))
     return tuple(shots)
@@ -212,8 +212,8 @@ def _closure_shots() -> tuple[Shot, ...]:
     line = mien.say(SENTENCES[1])
     shut = [phone for phone in line.utterance.phones if phone.label in ("P", "B", "M")][:6]
     shots = []
-    for emotion in authored_expression().names:
-        shown = recolor(line, emotion, way="authored")
+    for emotion in hand_made_expression().names:
+        shown = recolor(line, emotion, way="hand-made")
         shots += [Shot(f"{emotion} {phone.label}", _pose(shown, phone.middle), "face") for phone in shut]
     return tuple(shots)
 
@@ -223,8 +223,8 @@ def _recolor_shots() -> tuple[Shot, ...]:
     line = mien.say(SENTENCES[0])
     moments = np.linspace(0.12, 0.88, 6) * line.utterance.duration
     shots = []
-    for emotion in authored_expression().names:
-        shown = recolor(line, emotion, way="authored")
+    for emotion in hand_made_expression().names:
+        shown = recolor(line, emotion, way="hand-made")
         shots += [Shot(emotion if not place else "", _pose(shown, t), "face") for place, t in enumerate(moments)]
     return tuple(shots)
 
@@ -265,7 +265,7 @@ def _performer_shots() -> tuple[Shot, ...]:
 
 def _wander_shots() -> tuple[Shot, ...]:
     """Each emotion without speech, every second of ten."""
-    model, rate = authored_expression(), FrameRate.of(25)
+    model, rate = hand_made_expression(), FrameRate.of(25)
     shots = []
     for name in model.names:
         values = model.perform(Score((EmotionSpan(name),)), 10.0, rate, np.random.default_rng(3))

@@ -1,4 +1,4 @@
-// Lights, cameras and skin. Authored by eye.
+// Lights, cameras and skin. Hand-made by eye.
 import {
   Color, DirectionalLight, Group, HemisphereLight, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material,
 } from 'three';

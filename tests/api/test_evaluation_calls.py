@@ -25,7 +25,7 @@ def test_models_are_learned_and_scored(made: Corpus) -> None:
 
 
 def test_a_performer_is_scored_by_its_name(made: Corpus) -> None:
-    found = mien.evaluate("authored", made)
+    found = mien.evaluate("hand-made", made)
     assert found.takes == 6
     assert "hand-made" in found.scores
 
@@ -33,8 +33,8 @@ def test_a_performer_is_scored_by_its_name(made: Corpus) -> None:
 @pytest.mark.parametrize(
     ("subject", "heldout", "options", "said"),
     [
-        ("authored", None, {}, "name the corpus of held-out takes"),
-        ("authored", "c", {"folds": 2}, "--folds is for learning afresh"),
+        ("hand-made", None, {}, "name the corpus of held-out takes"),
+        ("hand-made", "c", {"folds": 2}, "--folds is for learning afresh"),
         ("c", None, {}, "learning afresh needs --protocol"),
         ("c", "c", {"protocol": "random"}, "a second corpus is for a performer"),
         ("c", None, {"protocol": "random", "words": "hardest"}, "--words is for --protocol leave-words-out"),

@@ -39,7 +39,7 @@ def spoken(emotion: str) -> Animation:
     return perform(
         utterance(("SIL", 0.3), ("M", 0.15), ("AA", 0.4), ("M", 0.15), ("SIL", 0.4)),
         score,
-        load_performer("authored"),
+        load_performer("hand-made"),
         FrameRate.of(25),
         seed=3,
     )
@@ -76,7 +76,7 @@ def test_a_performer_that_is_not_at_hand(sad: Animation) -> None:
     stray = replace(sad, provenance=replace(sad.provenance, performer="someone"))
     with pytest.raises(InputError, match="name one with --performer"):
         recolor(stray, "happy")
-    assert recolor(stray, "happy", "authored").score.emotions[0].name == "happy"
+    assert recolor(stray, "happy", "hand-made").score.emotions[0].name == "happy"
 
 
 def test_the_command(sad: Animation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +94,7 @@ BROW = load_layout("mediapipe-218").landmarks[55]
 
 @cache
 def performer() -> Performer:
-    return replace(load_performer("authored"), name="someone", emotion_maps=emotion_maps())
+    return replace(load_performer("hand-made"), name="someone", emotion_maps=emotion_maps())
 
 
 def column(animation: Animation, name: str) -> NDArray[np.float64]:
@@ -110,8 +110,8 @@ def test_a_learned_map_changes_an_animation() -> None:
     assert 0.3 < (column(half, "mouthSmileLeft") - column(plain, "mouthSmileLeft")).mean() / rise < 0.7
     assert abs(column(happy, "browInnerUp") - column(plain, "browInnerUp")).mean() < 0.1
     assert any("learned from recordings: neutral to happy (4 sentences)" in note.message for note in happy.notes)
-    authored = recolor(plain, "happy", performer(), "authored")
-    assert any("is hand-made" in note.message for note in authored.notes)
+    hand_made = recolor(plain, "happy", performer(), "hand-made")
+    assert any("is hand-made" in note.message for note in hand_made.notes)
     assert np.array_equal(happy.channels.values, recolor(plain, "happy", performer()).channels.values)
 
 
@@ -132,12 +132,12 @@ def test_a_take_comes_near_to_what_was_recorded() -> None:
     assert column(made, "jawOpen").max() > 0.2
     with pytest.raises(InputError, match="no map from 'neutral' to 'angry'"):
         recolor_take(neutral, "angry", performer(), "learned")
-    laid = recolor_take(neutral, "angry", "authored")
+    laid = recolor_take(neutral, "angry", "hand-made")
     assert any("'angry' is hand-made" in note.message for note in laid.notes)
     assert laid.markers is not None
     lowered = (laid.markers.positions - neutral.markers.positions)[:, neutral.markers.names.index(BROW), 1]
     assert lowered.mean() < -1.0
-    assert any("stays in it" in note.message for note in recolor_take(happy, "angry", "authored").notes)
+    assert any("stays in it" in note.message for note in recolor_take(happy, "angry", "hand-made").notes)
 
 
 def test_bare_markers_change_wherever_the_head_is() -> None:
@@ -152,7 +152,7 @@ def test_bare_markers_change_wherever_the_head_is() -> None:
     with pytest.raises(InputError, match="lacks 2 of the 218 markers"):
         recolor_markers(MarkerTrack(track.names[2:], track.positions[:, 2:], track.rate), "happy", performer())
     with pytest.raises(InputError, match="it has: none"):
-        recolor_markers(track, "happy", "authored")
+        recolor_markers(track, "happy", "hand-made")
 
 
 def test_the_command_on_takes_and_markers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -172,6 +172,6 @@ def test_the_command_on_takes_and_markers(tmp_path: Path, capsys: pytest.Capture
     assert "which take" in capsys.readouterr().err
     assert main(["recolor", made[2], *by, "-o", made[2]]) == 2
     assert (
-        main(["recolor", made[0], "--way", "learned", "--to", "angry", "--performer", "authored", "-o", "x.json"]) == 2
+        main(["recolor", made[0], "--way", "learned", "--to", "angry", "--performer", "hand-made", "-o", "x.json"]) == 2
     )
     assert "has no map from 'neutral' to 'angry'" in capsys.readouterr().err

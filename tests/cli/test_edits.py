@@ -17,7 +17,7 @@ JAW = {
     "keys": [{"anchor": {"word": "said", "phone": 1, "share": share}, "value": 0.7} for share in (0, 1)],
 }
 GONE = {"kind": "border", "phone": {"word": "maybe", "phone": 0}, "edge": "end", "shift": 0.02}
-PLAIN = ["--performer", "authored", "--fps", "50"]
+PLAIN = ["--performer", "hand-made", "--fps", "50"]
 
 
 @pytest.fixture

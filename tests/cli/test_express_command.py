@@ -26,7 +26,7 @@ LINE = utterance(("SIL", 0.3), ("M", 0.15), ("AA", 0.3), ("P", 0.15), ("IY", 0.3
 
 @pytest.fixture
 def line(tmp_path: Path) -> Path:
-    animation = perform(LINE, Score(), Performer.authored(), FrameRate.of(50))
+    animation = perform(LINE, Score(), Performer.hand_made(), FrameRate.of(50))
     mien.save(animation, tmp_path / "line.json", tmp_path / "line.csv")
     return tmp_path / "line.json"
 

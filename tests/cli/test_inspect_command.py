@@ -40,7 +40,7 @@ def test_words_and_pictures(performer: str, tmp_path: Path, capsys: pytest.Captu
     assert out.startswith(told)
     drawn = sorted(path.name for path in folder.glob("*.png"))
     assert drawn == [
-        "coverage.png", "diphones.png", "expressions-authored.png", "fitting-cost.png", "influence.png",
+        "coverage.png", "diphones.png", "expressions-hand-made.png", "fitting-cost.png", "influence.png",
         "key-shapes-classes.png", "key-shapes-face.png", "key-shapes-speaker.png",
     ]  # fmt: skip
     assert all(name in out for name in drawn)
@@ -76,5 +76,5 @@ def test_refusals(
 
 
 def test_a_performer_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["inspect", "authored"]) == 2
-    assert "unknown learned performer 'authored'" in capsys.readouterr().err
+    assert main(["inspect", "hand-made"]) == 2
+    assert "unknown learned performer 'hand-made'" in capsys.readouterr().err

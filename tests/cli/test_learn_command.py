@@ -75,7 +75,7 @@ def test_the_speech_model_is_chosen_and_asked_for(
 ) -> None:
     output = tmp_path / "curves.mien"
     assert learn(folder, "-o", str(output), "--speech-model", "coarticulation", "--quiet") == 0
-    for performer, model in ((str(output), "graph"), ("authored", "both")):
+    for performer, model in ((str(output), "graph"), ("hand-made", "both")):
         asked = ["say", "Me too.", "--performer", performer, "--speech-model", model, "-o", str(tmp_path / "a.csv")]
         assert main(asked) == 2
         line = capsys.readouterr().err
@@ -118,7 +118,7 @@ def test_an_import_that_was_killed_is_reported(
     killed = tmp_path / "killed"
     shutil.copytree(folder, killed)
     (killed / "manifest.jsonl").rename(killed / "importing.jsonl")
-    for command in (["learn", str(killed), "-o", str(tmp_path / "k.mien")], ["evaluate", "authored", str(killed)]):
+    for command in (["learn", str(killed), "-o", str(tmp_path / "k.mien")], ["evaluate", "hand-made", str(killed)]):
         assert main(command) == 2
         assert "its import was not finished (16 takes made and not in the corpus yet)" in capsys.readouterr().err
     assert main(["corpus", "check", str(killed)]) == 1

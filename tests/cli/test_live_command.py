@@ -28,7 +28,7 @@ def test_a_file_is_performed_and_recorded(tmp_path: Path, capsys: pytest.Capture
     path, out = tmp_path / "sound.wav", tmp_path / "out.json"
     sound().write(path)
     code = main(["live", str(path), "--no-websocket", "-o", str(out), "--also", str(tmp_path / "out.TextGrid"),
-                 "--performer", "authored", "--emotion", "happy:0.5"])  # fmt: skip
+                 "--performer", "hand-made", "--emotion", "happy:0.5"])  # fmt: skip
     told = capsys.readouterr()
     assert code == 0, told.err
     assert "listening to sound.wav, 150 ms look-ahead" in told.out
@@ -59,7 +59,7 @@ def test_a_file_is_performed_and_recorded(tmp_path: Path, capsys: pytest.Capture
 def test_what_cannot_be_is_refused_in_one_line(
     options: list[str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["live", *options, "--performer", "authored"]) == 2
+    assert main(["live", *options, "--performer", "hand-made"]) == 2
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
@@ -67,7 +67,7 @@ def test_what_cannot_be_is_refused_in_one_line(
 
 def test_ctrl_c_ends_a_live_stream_and_keeps_its_recording(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
-    command = [sys.executable, "-m", "mien", "live", "-", "--no-websocket", "-o", str(out), "--performer", "authored"]
+    command = [sys.executable, "-m", "mien", "live", "-", "--no-websocket", "-o", str(out), "--performer", "hand-made"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
         assert running.stdin is not None
         assert running.stdout is not None

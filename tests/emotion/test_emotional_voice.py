@@ -73,7 +73,7 @@ def test_what_is_measured_moves_as_the_table_says(line: Utterance, emotion: str)
 
 
 def test_every_emotion_of_the_face_but_neutral_has_a_voice() -> None:
-    assert set(TABLE) == set(Performer.authored().expression.names) - {NEUTRAL}
+    assert set(TABLE) == set(Performer.hand_made().expression.names) - {NEUTRAL}
     assert all(set(row) <= set(FIGURES) for row in TABLE.values())
 
 

@@ -120,7 +120,7 @@ def test_the_mcgurk_pairs_are_seen_and_heard_apart(tmp_path: Path) -> None:
     assert len(rows) == 10
     (pair,) = [row for row in rows if row.name == "mcgurk-003"]
     assert (pair.offset_ms, pair.crop) == (0, "mouth")
-    seen, heard = performed(replace(pair, performer="authored"))
+    seen, heard = performed(replace(pair, performer="hand-made"))
     assert {phone.label for phone in seen.utterance.phones} >= {"G"}
     assert {phone.label for phone in heard.utterance.phones} >= {"B"}
 

@@ -373,9 +373,9 @@ def test_the_tongue_of_n_l_and_th_shows_between_the_teeth(
 ) -> None:
     """Between the edges of the incisors it comes to their back, less ``reach`` mm; for /th/ through them."""
     from mien.core.channels import ALL
-    from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+    from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 
-    shape = AuthoredMouth().visemes[viseme].shape
+    shape = HandMadeMouth().visemes[viseme].shape
     parts = posed(**{name: float(weight) for name, weight in zip(ALL, shape, strict=True) if weight})
     upper, lower, tongue = (parts[name] for name in ("teeth_upper", "teeth_lower", "tongue"))
     upper, lower, tongue = (points[np.abs(points[:, 0]) < 5] for points in (upper, lower, tongue))

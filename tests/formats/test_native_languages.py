@@ -37,13 +37,13 @@ def finnish() -> Utterance:
 
 def test_the_native_file_keeps_a_language(tmp_path: Path) -> None:
     said = replace(finnish(), sung=True)
-    animation = perform(said, Score(), Performer.authored(), FrameRate.of(25))
+    animation = perform(said, Score(), Performer.hand_made(), FrameRate.of(25))
     write_native(animation, tmp_path / "a.json")
     back = read_native(tmp_path / "a.json")
     assert back.utterance.native == said.native
     assert back.utterance.shapes == said.shapes
     assert back.utterance.sung
-    again = perform(back.utterance, Score(), Performer.authored(), FrameRate.of(25))
+    again = perform(back.utterance, Score(), Performer.hand_made(), FrameRate.of(25))
     assert np.array_equal(again.channels.values, animation.channels.values)
 
 
@@ -73,8 +73,8 @@ def test_segments_of_two_languages_join() -> None:
 
 
 def test_a_front_rounded_vowel_moves_the_mouth_otherwise_than_a_back_one() -> None:
-    front = perform(finnish(), Score(), Performer.authored(), FrameRate.of(25)).channels.values
-    back = perform(replace(finnish(), shapes=()), Score(), Performer.authored(), FrameRate.of(25)).channels.values
+    front = perform(finnish(), Score(), Performer.hand_made(), FrameRate.of(25)).channels.values
+    back = perform(replace(finnish(), shapes=()), Score(), Performer.hand_made(), FrameRate.of(25)).channels.values
     assert np.abs(front - back).max() > 0.15
 
 
@@ -83,4 +83,4 @@ def test_shapes_that_do_not_count_as_many_as_phones_are_refused() -> None:
         replace(finnish(), shapes=((),))
     strange = replace(finnish(), shapes=((), ("front_rond",), (), ()))
     with pytest.raises(InputError, match="unknown key shape"):
-        perform(strange, Score(), Performer.authored(), FrameRate.of(25))
+        perform(strange, Score(), Performer.hand_made(), FrameRate.of(25))

@@ -122,9 +122,9 @@ def test_key_shapes_of_the_speaker_open_and_close(shapes):
     found, jaw = shapes.of_speaker(), channels.ALL.index("jawOpen")
     assert set(found) == set(articulation_table().symbols)
     assert found["AA"][jaw] > found["B"][jaw] + 0.02
-    authored = shapes.of_face()
-    assert list(authored) == list(found)
-    assert authored["AA"][jaw] > authored["B"][jaw] + 0.1
+    hand_made = shapes.of_face()
+    assert list(hand_made) == list(found)
+    assert hand_made["AA"][jaw] > hand_made["B"][jaw] + 0.1
 
 
 def test_classes_have_one_shape_each(shapes):
@@ -137,7 +137,7 @@ def test_classes_have_one_shape_each(shapes):
 
 def test_which_pictures_there_are():
     names = [name for name, _ in pictures_of(known_performer())]
-    rest = ["fitting-cost.png", "coverage.png", "influence.png", "expressions-authored.png"]
+    rest = ["fitting-cost.png", "coverage.png", "influence.png", "expressions-hand-made.png"]
     sheets = ["key-shapes-speaker.png", "key-shapes-face.png", "key-shapes-classes.png"]
     assert names == ["diphones.png", "triphones.png", *rest, *sheets]
     asked = [name for name, _ in pictures_of(known_performer(), ["SIL B L"], "blue")]

@@ -22,7 +22,7 @@ LINE = utterance(
 JAW = channels.ALL.index("jawOpen")
 
 
-@pytest.fixture(params=["default", "authored"])
+@pytest.fixture(params=["default", "hand-made"])
 def performer(request: pytest.FixtureRequest):  # type: ignore[no-untyped-def]
     return load_performer(request.param)
 
@@ -71,7 +71,7 @@ def test_lips_that_a_learned_mouth_shuts_stay_shut(level: float) -> None:
 
 
 def test_the_ceiling_is_soft() -> None:
-    performer = load_performer("authored")
+    performer = load_performer("hand-made")
     mouth = performer.mouth.perform(LINE, RATE)
     wide = replace(mouth, values=np.clip(2.0 * mouth.values, 0, 0.95), seal=np.zeros(len(mouth.values)))
     effort = np.full(len(wide.values), 2.0)
@@ -92,7 +92,7 @@ def test_pauses_are_rest_whatever_the_effort(performer) -> None:  # type: ignore
 
 
 def test_effort_changes_over_time() -> None:
-    performer = load_performer("authored")
+    performer = load_performer("hand-made")
     curve = EffortCurve((0.3, 1.0), (0.2, 2.0), "linear")
     ratio = spoken(performer, EffortSpan(curve))[:, JAW] / np.maximum(spoken(performer)[:, JAW], 1e-9)
     times = RATE.times(len(ratio))
@@ -102,7 +102,7 @@ def test_effort_changes_over_time() -> None:
 
 
 def test_an_emotion_carries_effort_in_proportion_to_its_intensity_and_off_takes_it_away() -> None:
-    performer = load_performer("authored")
+    performer = load_performer("hand-made")
     times = RATE.times(5)
     efforts = {name: performer.expression.effort(Score((EmotionSpan(name),)), times)[0] for name in ("angry", "sad")}
     assert efforts["angry"] > 1.1
@@ -125,7 +125,7 @@ def test_brows_and_nods_on_accents_go_with_the_effort() -> None:
         def perform(self, spoken, rate, random, score=None):  # type: ignore[no-untyped-def]
             return np.zeros((rate.frames_covering(spoken.duration), len(channels.ALL)))
 
-    performer = replace(load_performer("authored"), prosody=Nods(), idle=Still())
+    performer = replace(load_performer("hand-made"), prosody=Nods(), idle=Still())
     brow = channels.ALL.index("browInnerUp")
     rest, half, plain = (spoken(performer, EffortSpan(level))[:, brow] for level in (0.0, 0.5, 1.0))
     assert plain - half == pytest.approx(half - rest)

@@ -51,4 +51,4 @@ def test_lines(text: str) -> None:
 
 def test_live() -> None:
     sound = Audio(0.1 * np.random.default_rng(0).uniform(-1, 1, 16000), 16000)
-    assert both(np.array(list(frames_of(sound, Performer.authored())))) == 0.0
+    assert both(np.array(list(frames_of(sound, Performer.hand_made())))) == 0.0

@@ -11,7 +11,7 @@ from mien.text.score import EmotionSpan, Score
 from tests.animation.edits.layers import LINE, layers, say
 
 RATE, SCORE = FrameRate.of(30), Score((EmotionSpan("happy", 0.5),))
-PERFORMER = Performer.authored()
+PERFORMER = Performer.hand_made()
 LAYER = EditLayer(
     (
         BorderEdit(Place("never", 1, 3), "end", 0.04),
@@ -87,7 +87,7 @@ def test_another_emotion_over_an_edited_animation_is_what_the_performer_makes_wi
     from mien.api.recoloring import recolor
 
     layer = performed(LAYER).edits.layer
-    changed = recolor(performed(LAYER), "sad", PERFORMER, "authored")
+    changed = recolor(performed(LAYER), "sad", PERFORMER, "hand-made")
     wanted = performed(layer, score=Score((EmotionSpan("sad"),)))
     assert changed.score == wanted.score
     assert np.allclose(changed.channels.values, wanted.channels.values, atol=0.05)

@@ -13,7 +13,7 @@ from mien.text.score import EmotionSpan, Score
 from tests.utterances import utterance
 
 LINE = utterance(("SIL", 0.3), ("M", 0.1), ("AA", 0.2), ("P", 0.08), ("IY", 0.2), ("F", 0.1), ("AO", 0.2), ("SIL", 2.0))
-PERFORMER = Performer.authored()
+PERFORMER = Performer.hand_made()
 EMOTIONS = PERFORMER.expression.names  # type: ignore[attr-defined]
 
 

@@ -1,4 +1,4 @@
-"""Who the default face is: a table of MakeHuman identity targets and how much of each goes in. All authored."""
+"""Who the default face is: a table of MakeHuman identity targets and how much of each goes in. All hand-made."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Where MakeHuman has an expression unit it is taken (nostrils), where an ARKit shape holds what is wanted it is split or
 reshaped (inner brows, sharp corner pull), and the rest is sculpted here (nasolabial furrow, tightened lips). All
-authored: sizes by looking at the sheet of action units that ``make sheets`` draws.
+hand-made: sizes by looking at the sheet of action units that ``make sheets`` draws.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The skin's picture: painted as a function of the place on the head, then laid out by the texture coordinates.
 
-Everything is authored and procedural; only the masks (lips, lids, ears) come from MakeHuman. Colours are sRGB 0..1.
+Everything is hand-made and procedural; only the masks (lips, lids, ears) come from MakeHuman. Colours are sRGB 0..1.
 """
 
 from __future__ import annotations

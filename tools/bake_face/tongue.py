@@ -1,4 +1,4 @@
-"""The tongue: MakeHuman's, made finer, with four authored shapes that speech needs."""
+"""The tongue: MakeHuman's, made finer, with four hand-made shapes that speech needs."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def say(
     seed : int
         Same text, options, seed and version: same animation, bit for bit.
     performer : Performer, str or Path
-        A performer, its name (``"default"``, ``"authored"``), or a ``.mien`` file.
+        A performer, its name (``"default"``, ``"hand-made"``), or a ``.mien`` file.
     speech_model : str or None
         What moves the mouth: ``"coarticulation"`` (learned curves), ``"graph"`` (recorded motion) or ``"both"``, as
         far as the performer has learned it; None takes the performer's own.

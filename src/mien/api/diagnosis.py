@@ -129,7 +129,7 @@ def _performers() -> list[Finding]:
 
     learned = load_learned_performer("default")
     origin = f"mouth learned from {len(learned.trained_on)} takes; {learned.about.get('licence', '')}: see NOTICE"
-    return [Finding("performer default", "ok", f"{origin}; expression and idle motion authored")]
+    return [Finding("performer default", "ok", f"{origin}; expression and idle motion hand-made")]
 
 
 def _recording() -> list[Finding]:

@@ -17,7 +17,7 @@ from mien.metrics.protocols import evaluate_folds, evaluate_performer, recording
 from mien.motion.mouth.learned_mouth import LearnedMouth
 from mien.motion.mouth.speech_model import SpeechModel
 from mien.motion.performer import MouthModel
-from mien.motion.performers import AUTHORED, known_performers, load_learned_performer, load_performer
+from mien.motion.performers import FORMER_NAME, HAND_MADE, known_performers, load_learned_performer, load_performer
 
 __all__ = ["HARDEST", "PROTOCOLS", "evaluate", "is_performer"]
 
@@ -97,7 +97,7 @@ def is_performer(subject: str | Path | Corpus) -> bool:
     if isinstance(subject, Corpus):
         return False
     name = str(subject)
-    return name.lower().endswith(".mien") or (name in known_performers() and not Path(name).is_dir())
+    return name.lower().endswith(".mien") or (name in (*known_performers(), FORMER_NAME) and not Path(name).is_dir())
 
 
 def _opened(corpus: str | Path | Corpus) -> Corpus:
@@ -108,8 +108,8 @@ def _of_performer(subject: str, heldout: str | Path | Corpus, seed: int, progres
     mouths: dict[str, MouthModel] = {}
     models: dict[str, SpeechModel] = {}
     known: Collection[str] = ()
-    if subject == AUTHORED:
-        mouths = {"hand-made": load_performer(AUTHORED).mouth}
+    if subject == HAND_MADE:
+        mouths = {"hand-made": load_performer(HAND_MADE).mouth}
     else:
         learned = load_learned_performer(subject)
         known = learned.trained_on

@@ -6,8 +6,8 @@ Two ways lead there:
 sentences in
   both. It moves markers: those of a recorded take or a marker file as they are, those of an animation where they sit on
   the face; the change goes back to the face's channels.
-* *authored*: what the performer's expression does in the old emotion is taken out, what it does in the new one is put
-  in, so that edits made since stay. Expressions that were not recorded are authored, and the result says so.
+* *hand-made*: what the performer's expression does in the old emotion is taken out, what it does in the new one is put
+  in, so that edits made since stay. Expressions that were not recorded are hand-made, and the result says so.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from mien.corpus.take import Take
 from mien.motion.expression.expression import NEUTRAL, Expression, weights_of
 from mien.motion.maps.emotion_maps import EmotionMaps
 from mien.motion.marker_channels import MarkerChannels
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
-from mien.motion.performers import load_performer
+from mien.motion.performers import FORMER_NAME, load_performer
 from mien.pipeline.edited_performance import recoloured_under_edits
 from mien.pipeline.perform import express, perform
 from mien.text.score import EmotionSpan, Score
@@ -44,9 +44,9 @@ from mien.text.score import EmotionSpan, Score
 __all__ = ["Way", "recolor", "recolor_markers", "recolor_take", "shown_markers"]
 
 Floats = NDArray[np.float64]
-Way = Literal["auto", "learned", "authored"]
-"""``auto``: learned where the performer has a map, else authored."""
-WAYS: tuple[Way, ...] = ("auto", "learned", "authored")
+Way = Literal["auto", "learned", "hand-made"]
+"""``auto``: learned where the performer has a map, else hand-made."""
+WAYS: tuple[Way, ...] = ("auto", "learned", "hand-made")
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
 
 
@@ -67,7 +67,7 @@ def recolor(
         Takes the place of all emotions of the score; ``"neutral"`` takes them out.
     performer : Performer, str or Path, optional
         Whose expressions or map; the one that made the animation unless given.
-    way : {"auto", "learned", "authored"}
+    way : {"auto", "learned", "hand-made"}
         See above.
 
     Returns
@@ -87,10 +87,10 @@ def recolor(
     actor = _performer(animation, performer)
     maps = _maps(actor, (NEUTRAL, span.name), way) if span.name != NEUTRAL else None
     if maps is None:
-        return _authored_way(animation, span, actor)
+        return _hand_made_way(animation, span, actor)
     plain = animation
     if animation.score.emotions:  # what it shows is taken out as its own performer put it in
-        plain = _authored_way(animation, EmotionSpan(NEUTRAL), _maker(animation, actor))
+        plain = _hand_made_way(animation, EmotionSpan(NEUTRAL), _maker(animation, actor))
     felt = _learned_way(plain, span, maps)
     return replace(felt, score=replace(animation.score, emotions=(span,)))
 
@@ -104,7 +104,7 @@ def recolor_take(
 ) -> Animation:
     """A recorded take in another emotion: its markers, and the face that moves as they do.
 
-    Where no map leads from the take's emotion to the other, the authored expression is laid over the recorded motion,
+    Where no map leads from the take's emotion to the other, the hand-made expression is laid over the recorded motion,
     and the markers move as the face does under them.
 
     Raises
@@ -205,13 +205,13 @@ def shown_markers(
 
 
 def _check_way(way: str) -> None:
-    if way not in WAYS:
+    if way not in (*WAYS, FORMER_NAME):
         raise InputError(f"a way to another emotion is {', '.join(WAYS)}, not {way!r}")
 
 
 def _maps(actor: Performer, step: tuple[str, str], way: Way) -> EmotionMaps | None:
     """The performer's maps, if one leads from an emotion to the other and is not unwanted."""
-    if way == "authored":
+    if way in ("hand-made", FORMER_NAME):
         return None
     maps = actor.emotion_maps
     if maps is not None and maps.way(*step) is not None:
@@ -275,9 +275,9 @@ def _learned_way(animation: Animation, span: EmotionSpan, maps: EmotionMaps) -> 
     change = face.channels_of(after.positions - face.rest, rate.fps)
     change -= face.channels_of(before.positions - face.rest, rate.fps)
     seal = np.zeros(len(values))
-    sealed = AuthoredMouth().seals(animation.utterance, rate)[0][: len(values)]
+    sealed = HandMadeMouth().seals(animation.utterance, rate)[0][: len(values)]
     seal[: len(sealed)] = sealed
-    made = values + change * (1 - seal[:, None] * (1 - Performer.authored().expression.sealed_share))
+    made = values + change * (1 - seal[:, None] * (1 - Performer.hand_made().expression.sealed_share))
     made[:, _BLINK] = np.maximum(made[:, _BLINK], values[:, _BLINK])
     return replace(
         animation,
@@ -316,10 +316,10 @@ def _covering(values: Floats, seconds: float, rate: FrameRate) -> Floats:
     return np.concatenate([values, held])[:wanted]
 
 
-# ---- The authored way ----------------------------------------------------------------------------------------------
+# ---- The hand-made way ----------------------------------------------------------------------------------------------
 
 
-def _authored_way(animation: Animation, span: EmotionSpan, actor: Performer) -> Animation:
+def _hand_made_way(animation: Animation, span: EmotionSpan, actor: Performer) -> Animation:
     score = replace(animation.score, emotions=(span,))
     actor.expression.check(score)
     # A performance made elsewhere may hold emotions that this performer does not have: they cannot be taken out.
@@ -340,20 +340,20 @@ def _authored_way(animation: Animation, span: EmotionSpan, actor: Performer) -> 
         channels=ChannelTrack(channels.ALL, values, rate),
         score=score,
         provenance=after.provenance,
-        notes=(*dict.fromkeys(notes), *_authored(actor, span), *([Note("note", told)] if told else [])),
+        notes=(*dict.fromkeys(notes), *_hand_made(actor, span), *([Note("note", told)] if told else [])),
     )
 
 
 def _laid_over(animation: Animation, span: EmotionSpan, actor: Performer, seed: int) -> Animation:
-    """The authored expression over recorded motion, which holds no expression of the performer's to take out."""
+    """The hand-made expression over recorded motion, which holds no expression of the performer's to take out."""
     if span.name == NEUTRAL:
         return animation
     felt = express(animation, Score((span,)), actor, seed)
-    return replace(felt, notes=(*felt.notes, *_authored(actor, span)))
+    return replace(felt, notes=(*felt.notes, *_hand_made(actor, span)))
 
 
-def _authored(actor: Performer, span: EmotionSpan) -> tuple[Note, ...]:
-    if not isinstance(actor.expression, Expression) or span.name not in actor.expression.authored - {NEUTRAL}:
+def _hand_made(actor: Performer, span: EmotionSpan) -> tuple[Note, ...]:
+    if not isinstance(actor.expression, Expression) or span.name not in actor.expression.hand_made - {NEUTRAL}:
         return ()
     return (Note("note", f"the expression {span.name!r} is hand-made, not learned from recordings"),)
 

@@ -91,10 +91,10 @@ def _formats() -> Iterable[Row]:
 
 
 def _performers() -> Iterable[Row]:
-    from mien.motion.performers import AUTHORED, known_performers, load_learned_performer
+    from mien.motion.performers import HAND_MADE, known_performers, load_learned_performer
 
     for name in known_performers():
-        if name == AUTHORED:
+        if name == HAND_MADE:
             yield name, "made by hand, learned from nobody"
         else:
             yield name, f"learned from {len(load_learned_performer(name).trained_on)} takes (see NOTICE)"

@@ -223,7 +223,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--performer",
         default="default",
         metavar="NAME|X.mien",
-        help="who moves: default, mandarin, authored, or a .mien file",
+        help="who moves: default, mandarin, hand-made, or a .mien file",
     )
     parser.add_argument(
         "--speech-model",

@@ -40,9 +40,10 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     recolor.add_argument("--from", dest="source", metavar="EMOTION", help="emotion of a marker file (default: neutral)")
     recolor.add_argument(
         "--way",
-        choices=("auto", "learned", "authored"),
+        choices=("auto", "learned", "hand-made"),
+        type=lambda way: "hand-made" if way == "authored" else way,  # as version 0.1 called it
         default="auto",
-        help="by the performer's learned map, or by authored expressions (default: learned where there is a map)",
+        help="by the performer's learned map, or by hand-made expressions (default: learned where there is a map)",
     )
     recolor.add_argument(
         "--performer", metavar="NAME|X.mien", help="whose map or expressions (default: who made the animation)"

@@ -36,8 +36,8 @@ def recolored_file(path: Path, options: argparse.Namespace) -> Animation:
         channels, notes = read_livelink(path)
         moved = imported(channels, path.stem, notes)
         return recolor(moved, options.to, options.performer or "default", options.way)
-    if options.way == "authored":
-        raise InputError("bare markers change by a learned map alone: their face is not known; give no --way authored")
+    if options.way in ("hand-made", "authored"):
+        raise InputError("bare markers change by a learned map alone: their face is not known; give no --way hand-made")
     raw = _read(path)
     performer = load_performer(options.performer or "default")
     track = MarkerTrack(raw.markers.names, raw.markers.positions * _TO_MM[raw.units], raw.markers.rate)

@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 INTENSITIES: dict[str, float] = {"A": 0.1, "B": 0.3, "C": 0.5, "D": 0.75, "E": 1.0}
-"""FACS's letters (trace, slight, marked, severe, maximum) as weights. Authored: FACS orders, it does not measure."""
+"""FACS's letters (trace, slight, marked, severe, maximum) as weights. Hand-made: FACS orders, it does not measure."""
 
 _NAME = re.compile(r"(?:AU)?(\d+)([LR]?)([A-E]?)", re.IGNORECASE)
 # ARKit has one channel for both inner brows; where the two sides are asked for alike, the one channel is used.

@@ -1,4 +1,4 @@
-"""Reading poses (channel weights by name) out of the authored tables in ``assets/performance``."""
+"""Reading poses (channel weights by name) out of the hand-made tables in ``assets/performance``."""
 
 from __future__ import annotations
 

@@ -25,7 +25,8 @@ class Take:
         Unique in its corpus; letters, digits, ``_``, ``-`` and ``.`` only, as it names files.
     audio : Audio
     markers : MarkerTrack
-        Cleaned and normalised (SPEC A3): millimetres, x to the speaker's left, y up, z forward, the head's own motion
+        Cleaned and normalised (Deng et al. 2006): millimetres, x to the speaker's left, y up, z forward, the head's
+        own motion
         taken out. Frame 0 stands at the start of the sound.
     head : ndarray, shape (frames, 4, 4), or None
         The rigid motion of the head that was taken out: maps normalised to recorded positions (mm, columns).
@@ -36,7 +37,7 @@ class Take:
         Name of the marker layout (``assets/markers``).
     emotion : str
     sentence : str
-        Takes with the same value say the same sentence ("same sentence" links, SPEC A11, B7).
+        Takes with the same value say the same sentence ("same sentence" links).
     speaker : str
     source : dict of str
         Where the take came from: file, recipe, and what was repaired.

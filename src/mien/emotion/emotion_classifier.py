@@ -1,4 +1,4 @@
-"""Which emotion is in a voice (SPEC B8): a support vector machine on features of the sound, with probabilities.
+"""Which emotion is in a voice (Cao et al. 2005): a support vector machine on features of the sound, with probabilities.
 
 Cao et al. 2005, section 6, on features that mean the same under other microphones (`mien.speech.voice_features`);
 the paper's own are an option. The default classifier is learned from acted German sentences
@@ -367,7 +367,7 @@ def _arousal() -> dict[str, float]:
 
 
 def _activation_weights(scaled: NDArray[np.float64], emotions: tuple[str, ...]) -> NDArray[np.float64]:
-    """Ridge regression from features to the arousal that the emotions' names stand for (an authored table)."""
+    """Ridge regression from features to the arousal that the emotions' names stand for (a hand-made table)."""
     target = np.array([_arousal()[name] for name in emotions])
     middle = float(target.mean())
     gram = scaled.T @ scaled + _RIDGE * np.eye(scaled.shape[1])

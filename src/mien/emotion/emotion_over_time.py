@@ -1,4 +1,4 @@
-"""Emotions of a longer recording, stretch by stretch, as spans of a score (SPEC B9, A13: read from the voice).
+"""Emotions of a longer recording, stretch by stretch, as spans of a score (Cao et al. 2005: read from the voice).
 
 Windows of 2.5 s, half a second apart, are judged by an `EmotionClassifier`. The likeliest course of emotions, in which
 a change has a price (Viterbi 1967), is cut into stretches; a boundary moves to the quietest place nearby. A stretch

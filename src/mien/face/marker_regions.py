@@ -1,4 +1,4 @@
-"""Markers spread over a face by scattered-data interpolation in blended regions (Cao et al. 2005; SPEC B10).
+"""Markers spread over a face by scattered-data interpolation in blended regions (Cao et al. 2005).
 
 Every marker sits on a vertex of the skin. Its displacement from rest is a sample of the face's motion; between samples
 the motion is interpolated with radial basis functions, within each region on its own::

@@ -1,4 +1,4 @@
-"""From markers to weights by regression on radial basis functions, learned from pairs (SPEC A14).
+"""From markers to weights by regression on radial basis functions, learned from pairs (Deng et al. 2006).
 
 Displacements of markers are brought to few numbers ``x`` by principal components; each weight is::
 

@@ -15,7 +15,7 @@ __all__ = ["head_regions", "region_distances"]
 
 @cache
 def head_regions() -> dict[str, NDArray[np.bool_]]:
-    """Vertices of the default skin by region; authored, by place on the default head. None lies in two."""
+    """Vertices of the default skin by region; hand-made, by place on the default head. None lies in two."""
     space = head_space()
     x, y, z = space.rest.T
     outer = space.outer() & (space.ears < 0.3)

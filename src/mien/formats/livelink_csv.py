@@ -25,7 +25,7 @@ from mien.formats.livelink import COLUMNS, HEAD_SIGNS, MOTION_COLUMNS, read_live
 __all__ = ["COLUMNS", "EYE_DEGREES", "livelink_motion", "read_livelink", "write_livelink"]
 
 EYE_DEGREES: dict[str, float] = {"Up": 18.0, "Down": 24.0, "In": 28.0, "Out": 30.0}
-"""How far an eye turns at weight 1 of its eyeLook channels, degrees. Authored, not measured: a CSV knows no face."""
+"""How far an eye turns at weight 1 of its eyeLook channels, degrees. Hand-made, not measured: a CSV knows no face."""
 
 _INNER_BROWS = ("browInnerUpLeft", "browInnerUpRight")
 _SIDES_APART = 0.02

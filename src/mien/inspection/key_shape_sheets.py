@@ -61,8 +61,8 @@ class KeyShapes:
         return {symbol: self._on_face(shape) for symbol, shape in self._targets().items()}
 
     def of_face(self) -> dict[str, Floats]:
-        """Channels of the face's own authored key shapes by part."""
-        return {symbol: self._authored(symbol) for symbol in self._targets()}
+        """Channels of the face's own hand-made key shapes by part."""
+        return {symbol: self._hand_made(symbol) for symbol in self._targets()}
 
     def of_classes(self) -> dict[str, Floats]:
         """Channels of the key shapes between which the paper's curves run, by viseme class (or phone)."""
@@ -93,13 +93,13 @@ class KeyShapes:
     def _on_face(self, shape: Floats) -> Floats:
         return np.asarray(self.mouth.on_face(shape[None], _RATE)[0])
 
-    def _authored(self, symbol: str) -> Floats:
+    def _hand_made(self, symbol: str) -> Floats:
         phone, _, number = symbol.partition(".")
-        authored = self.mouth.authored
+        hand_made = self.mouth.hand_made
         if phone == PAUSE:
-            return authored.rest.shape
-        names = authored.visemes_of(phone)
-        return authored.visemes[names[min(int(number or 1), len(names)) - 1]].shape
+            return hand_made.rest.shape
+        names = hand_made.visemes_of(phone)
+        return hand_made.visemes[names[min(int(number or 1), len(names)) - 1]].shape
 
 
 def _in_classes() -> Sequence[str]:

@@ -14,7 +14,7 @@ from mien.inspection.curve_pictures import draw_curves, draw_fitting_cost, most_
 from mien.inspection.expression_picture import draw_expression_space
 from mien.inspection.influence_picture import draw_influence, evenly_spoken
 from mien.inspection.key_shape_sheets import KeyShapes
-from mien.motion.expression.hand_made_performance import authored_space
+from mien.motion.expression.hand_made_performance import hand_made_space
 from mien.motion.mouth.coverage import heard_phones
 from mien.motion.performer_file import LearnedSpeech
 
@@ -57,14 +57,14 @@ def pictures_of(
         ("fitting-cost.png", partial(draw_fitting_cost, learned)),
         ("coverage.png", partial(draw_coverage, learned.motion.coverage_)),
         ("influence.png", partial(draw_influence, learned.motion, word)),
-        (("expressions.png" if learned.expressions else "expressions-authored.png"), partial(_draw_space, learned)),
+        (("expressions.png" if learned.expressions else "expressions-hand-made.png"), partial(_draw_space, learned)),
     ]
     return pictures + _sheets(learned, face)
 
 
 def _draw_space(learned: LearnedSpeech) -> Image.Image:
-    """The performer's own expression space, or else the authored one that it uses."""
-    return draw_expression_space(learned.expressions.space if learned.expressions else authored_space())
+    """The performer's own expression space, or else the hand-made one that it uses."""
+    return draw_expression_space(learned.expressions.space if learned.expressions else hand_made_space())
 
 
 def _sheets(learned: LearnedSpeech, face: Face | None) -> list[Picture]:

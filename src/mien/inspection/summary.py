@@ -111,7 +111,7 @@ def _spaces(learned: LearnedSpeech) -> list[str]:
     spaces = {"performing mouth": learned.motion.space_, "paper's curves": learned.coarticulation.space_}
     rows = ["pose space"] + [_row(f"  {name}", _space(space)) for name, space in spaces.items()]
     if learned.expressions is None:
-        return [*rows, _row("expressions", "none recorded: the authored ones are used"), *_maps(learned)]
+        return [*rows, _row("expressions", "none recorded: the hand-made ones are used"), *_maps(learned)]
     seconds = ", ".join(f"{name} {length:.1f} s" for name, length in learned.expressions.seconds.items())
     space = _row("  expression space", _space(learned.expressions.space.space_))
     return [*rows, _row("expressions", seconds), space, *_maps(learned)]

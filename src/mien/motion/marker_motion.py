@@ -1,4 +1,4 @@
-"""Recorded marker motion on any face (SPEC A14), with a report of what the face cannot do.
+"""Recorded marker motion on any face (Deng et al. 2006), with a report of what the face cannot do.
 
 Markers find their places on a face through its shapes (`mien.face.marker_sites`): a face of another maker needs no
 landmarks, only morph targets that are known.

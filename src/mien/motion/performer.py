@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from mien.core.errors import Note
 from mien.core.timeline import FrameRate, Tier
 from mien.core.utterance import Utterance
-from mien.motion.alive.idle import AuthoredIdle
-from mien.motion.alive.visual_prosody import AuthoredProsody
-from mien.motion.expression.hand_made_performance import authored_expression
+from mien.motion.alive.idle import HandMadeIdle
+from mien.motion.alive.visual_prosody import HandMadeProsody
+from mien.motion.expression.hand_made_performance import hand_made_expression
 from mien.motion.expression.line import Line
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
 from mien.text.score import Score
 
 if TYPE_CHECKING:
@@ -106,18 +106,18 @@ class Performer:
 
     Examples
     --------
-    >>> Performer.authored().name
-    'authored'
+    >>> Performer.hand_made().name
+    'hand-made'
     """
 
     name: str
     mouth: MouthModel
     expression: ExpressionModel
     idle: IdleModel
-    prosody: ProsodyModel = field(default_factory=AuthoredProsody)
+    prosody: ProsodyModel = field(default_factory=HandMadeProsody)
     emotion_maps: EmotionMaps | None = None
 
     @classmethod
-    def authored(cls) -> Performer:
+    def hand_made(cls) -> Performer:
         """The performer that needs no recordings: key shapes, poses and rules made by hand."""
-        return cls("authored", AuthoredMouth(), authored_expression(), AuthoredIdle())
+        return cls("hand-made", HandMadeMouth(), hand_made_expression(), HandMadeIdle())

@@ -6,14 +6,16 @@ from importlib import resources
 from pathlib import Path
 
 from mien.core.errors import InputError, unknown_name
-from mien.motion.alive.idle import AuthoredIdle
+from mien.motion.alive.idle import HandMadeIdle
 from mien.motion.performer import Performer
 from mien.motion.performer_file import LearnedSpeech, load_learned
 
-__all__ = ["AUTHORED", "known_performers", "load_learned_performer", "load_performer"]
+__all__ = ["FORMER_NAME", "HAND_MADE", "known_performers", "load_learned_performer", "load_performer"]
 
-AUTHORED = "authored"
+HAND_MADE = "hand-made"
 """Name of the performer that was made by hand and needs no file."""
+FORMER_NAME = "authored"
+"""What it was called in version 0.1; still understood."""
 
 
 def _folder() -> Path:
@@ -26,9 +28,9 @@ def known_performers() -> tuple[str, ...]:
     Examples
     --------
     >>> known_performers()
-    ('authored', 'default', 'mandarin')
+    ('hand-made', 'default', 'mandarin')
     """
-    return (AUTHORED, *sorted(path.stem for path in _folder().glob("*.mien")))
+    return (HAND_MADE, *sorted(path.stem for path in _folder().glob("*.mien")))
 
 
 def load_learned_performer(name: str | Path) -> LearnedSpeech:
@@ -44,7 +46,7 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
     >>> load_learned_performer("default").motion.mouth_.kind
     'channels'
     """
-    learned = [performer for performer in known_performers() if performer != AUTHORED]
+    learned = [performer for performer in known_performers() if performer != HAND_MADE]
     if isinstance(name, Path) or str(name).lower().endswith(".mien"):
         return load_learned(name)
     if name not in learned:
@@ -56,7 +58,7 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
     """A performer ready to speak, by name or from a ``.mien`` file.
 
     A learned performer brings its own mouth, and its own expressions where they were recorded; the other expressions
-    and the signs of life are authored.
+    and the signs of life are hand-made.
 
     Parameters
     ----------
@@ -71,13 +73,15 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
 
     Examples
     --------
-    >>> load_performer("authored").name
-    'authored'
+    >>> load_performer("hand-made").name
+    'hand-made'
     """
-    if name == AUTHORED:
+    if name in (HAND_MADE, FORMER_NAME):
         if speech_model is not None:
-            raise InputError(f"the authored performer has no speech model {speech_model!r}: it was learned from nobody")
-        return Performer.authored()
+            raise InputError(
+                f"the hand-made performer has no speech model {speech_model!r}: it was learned from nobody"
+            )
+        return Performer.hand_made()
     if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
         raise unknown_name("performer", str(name), known_performers())
     from mien.motion.expression.recorded_expression import expression_of
@@ -86,4 +90,4 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
     learned = load_learned_performer(name)
     mouth = LearnedMouth(learned, speech_model=speech_model)
     expression = expression_of(learned.expressions)
-    return Performer(learned.name, mouth, expression, AuthoredIdle(), emotion_maps=learned.emotion_maps)
+    return Performer(learned.name, mouth, expression, HandMadeIdle(), emotion_maps=learned.emotion_maps)

@@ -11,8 +11,8 @@ from mien.animation.edits import EMPTY, EditLayer, read_layer
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.timeline import FrameRate
-from mien.motion.alive.idle import AuthoredIdle
-from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH, AuthoredProsody
+from mien.motion.alive.idle import HandMadeIdle
+from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH, HandMadeProsody
 from mien.motion.effort import DECIBELS
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
@@ -63,9 +63,9 @@ def prepared(
     elif speech_model is not None:
         raise InputError("a performer that is loaded has its speech model: give load_performer(name, speech_model)")
     performer.expression.check(score)
-    performer = replace(performer, prosody=AuthoredProsody(share_of("visual prosody", prosody)))
+    performer = replace(performer, prosody=HandMadeProsody(share_of("visual prosody", prosody)))
     if alive != "all":
-        performer = replace(performer, idle=AuthoredIdle.of(alive))
+        performer = replace(performer, idle=HandMadeIdle.of(alive))
     return performer, score, rate
 
 

@@ -29,7 +29,7 @@ from mien.motion.alive.manner import steady_head
 from mien.motion.effort import articulate, mean_mouth
 from mien.motion.expression.expression import NEUTRAL, weights_of
 from mien.motion.expression.line import line_of
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
 from mien.motion.mouth.shown_closure import bilabial_seal, close_lips
 from mien.motion.mouth.singing import sing
 from mien.motion.opposed_channels import apart
@@ -124,7 +124,7 @@ def _spoken(utterance: Utterance, score: Score, performer: Performer, rate: Fram
 
 @one_thread
 def express(animation: Animation, score: Score, performer: Performer, seed: int = 0) -> Animation:
-    """Lay expressions over finished motion, ours or imported (SPEC A16b).
+    """Lay expressions over finished motion, ours or imported (Deng et al. 2004).
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     duration = len(motion) / rate.fps
     line = line_of(animation.utterance, motion, rate) if score.emotions and len(animation.utterance.phones) else None
     expression = performer.expression.perform(score, duration, rate, random, neutral=False, line=line)[: len(motion)]
-    seal = AuthoredMouth().seals(animation.utterance, rate)[0][: len(motion), None]
+    seal = HandMadeMouth().seals(animation.utterance, rate)[0][: len(motion), None]
     share = np.ones((len(motion), 1))
     share[: len(seal)] -= seal
     share = share + (1 - share) * performer.expression.sealed_share

@@ -2,7 +2,7 @@
 
 Perceptual linear prediction (Hermansky 1990, "Perceptual linear predictive (PLP) analysis of speech") on spectra that
 were filtered over time (Hermansky, Morgan 1994, "RASTA processing of speech"): the sound features C of an anime node
-(Cao et al. 2005, section 4.1; SPEC B3). The steps, one function each:
+(Cao et al. 2005, section 4.1). The steps, one function each:
 
 1. power spectra of Hamming windows, 25 ms long, one every 10 ms; frame k is centred at k x 10 ms, and the sound is
    mirrored at its ends to fill the first and last windows;

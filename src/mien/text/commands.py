@@ -1,4 +1,6 @@
-"""Commands, the library that explains them, and their translation into curves of face parameters (SPEC C4, C5)."""
+"""Commands, the library that explains them, and their translation into curves of face parameters (Frydrych et al.
+2003).
+"""
 
 from __future__ import annotations
 

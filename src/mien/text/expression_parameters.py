@@ -1,4 +1,4 @@
-"""MPEG-4's high-level expression parameter (FAP 2 of ISO/IEC 14496-2) as emotions of a score (SPEC A16b).
+"""MPEG-4's high-level expression parameter (FAP 2 of ISO/IEC 14496-2) as emotions of a score (Deng et al. 2004).
 
 The parameter chooses two of six expressions and an intensity for each, 0 to 63. Here it is a CSV file, one line for
 each moment at which it changes::

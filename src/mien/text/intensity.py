@@ -1,4 +1,4 @@
-"""`IntensityCurve`: how strong an emotion is over time, from 0 (neutral) to 1 (full) (SPEC A13)."""
+"""`IntensityCurve`: how strong an emotion is over time, from 0 (neutral) to 1 (full) (Deng et al. 2006)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading a file of the command library (SPEC C4; Frydrych et al. 2003, section 2.3).
+"""Reading a file of the command library (Frydrych et al. 2003, section 2.3).
 
 ::
 

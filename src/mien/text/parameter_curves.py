@@ -1,4 +1,6 @@
-"""`ParameterCurve`: a face parameter over time, the low level of control (SPEC C5), and how curves lie over motion."""
+"""`ParameterCurve`: a face parameter over time, the low level of control (Frydrych et al. 2003), and how curves lie
+over motion.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,7 @@ class ParameterCurve:
     parameter : str
         A name of `mien.text.face_parameters`.
     keys : tuple of (float, float)
-        Milliseconds from the start of the sound (as commands count, SPEC C4) and values, in order of time. Two keys at
+        Milliseconds from the start of the sound (as commands count) and values, in order of time. Two keys at
         one time are a jump.
     interpolation : {"linear", "smooth", "spline", "hold"}
         Between keys: straight; half a cosine; a monotone cubic (PCHIP); the earlier value until the next key.

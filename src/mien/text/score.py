@@ -33,7 +33,7 @@ class EmotionSpan:
     name : str
         Name of an emotion, such as ``"happy"``; ``"joy"`` and other nouns are understood (`mien.text.emotion_words`).
     intensity : float or IntensityCurve
-        0 (neutral) to 1 (full), held or changing over time; SPEC A13.
+        0 (neutral) to 1 (full), held or changing over time; Deng et al. 2006.
     start, end : float or None
         Seconds; None means the start or end of the sound.
 

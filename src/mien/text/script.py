@@ -95,7 +95,7 @@ class DirectedEmotion:
         Held, where there are no keys.
     start, end : Moment or None
     keys : tuple of (Moment, float)
-        When it is how strong, if that changes (SPEC A13).
+        When it is how strong, if that changes (Deng et al. 2006).
     """
 
     name: str

@@ -24,7 +24,7 @@ from mien.text.vocal_elements import VOCAL_ELEMENTS
 __all__ = ["ELEMENTS", "gaze_targets"]
 
 BREAKS = {"none": 0.0, "x-weak": 100.0, "weak": 200.0, "medium": 400.0, "strong": 700.0, "x-strong": 1000.0}
-"""Milliseconds by SSML's strengths. Authored: the specification leaves them to the voice."""
+"""Milliseconds by SSML's strengths. Hand-made: the specification leaves them to the voice."""
 
 
 def _root(builder: Builder, given: Given) -> None:

@@ -24,7 +24,7 @@ EMPHASIS = {
     "none": (1.0, 0.0, 0.0),
     "reduced": (1.12, -0.5, -3.0),
 }
-"""Rate, semitones and decibels of an emphasised stretch. Authored."""
+"""Rate, semitones and decibels of an emphasised stretch. Hand-made."""
 
 
 def _sentence(builder: Builder, given: Given) -> None:

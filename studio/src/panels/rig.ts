@@ -1,4 +1,4 @@
-// The deformation editor (SPEC C7): the tree's parameters, their axes and pivots, a brush for their weights.
+// The deformation editor (Frydrych et al. 2003): the tree's parameters, their axes and pivots, a brush for their weights.
 import * as api from '../api';
 import { button, download, field, make, options, showFault } from '../dom';
 import { RigEditor } from '../rig/editor';

@@ -64,7 +64,7 @@ def test_a_design_with_a_fault_names_line_and_column(tmp_path: Path, text: str, 
 @pytest.mark.usefixtures("toy_voice")
 @pytest.mark.parametrize("offset", [-150.0, 0.0, 40.0, 500.0])
 def test_the_sound_is_off_by_what_was_asked_and_nothing_of_it_is_lost(offset: float) -> None:
-    made, _ = performed(Stimulus("a", "Now.", offset_ms=offset, performer="authored"))
+    made, _ = performed(Stimulus("a", "Now.", offset_ms=offset, performer="hand-made"))
     speech = made.utterance
     heard = np.flatnonzero(np.abs(speech.audio.samples) > 0.01)
     seen = [phone for phone in speech.phones if phone.label != "SIL"]
@@ -76,7 +76,7 @@ def test_the_sound_is_off_by_what_was_asked_and_nothing_of_it_is_lost(offset: fl
 
 @pytest.mark.usefixtures("toy_voice")
 def test_a_mcgurk_pair() -> None:
-    made, heard = performed(Stimulus("a", "Go.", heard="Bananas.", performer="authored"))
+    made, heard = performed(Stimulus("a", "Go.", heard="Bananas.", performer="hand-made"))
     assert [word.label for word in made.utterance.words] == ["go"]
     assert [word.label for word in heard.utterance.words] == ["bananas"]
     loud = np.flatnonzero(np.abs(made.utterance.audio.samples) > 0.01)
@@ -125,7 +125,7 @@ def test_batch_says_every_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         "mien.api.stimuli.stimulus_making._write_picture", lambda s, animation, path: path.write_bytes(b"film")
     )
     command = ["batch", str(tmp_path / "lines.txt"), "-o", str(tmp_path / "out"), "--workers", "0"]
-    assert main([*command, "--emotion", "sad:0.5", "--performer", "authored"]) == 0
+    assert main([*command, "--emotion", "sad:0.5", "--performer", "hand-made"]) == 0
     assert sorted(p.name for p in (tmp_path / "out").glob("*.csv")) == [
         "line00001.csv",
         "line00003.csv",
@@ -135,7 +135,7 @@ def test_batch_says_every_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.mark.usefixtures("toy_voice")
 def test_a_run_killed_after_any_file_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = "name,sentence,still_ms,performer,width,height\na,Oh.|No.,100,authored,32,32\n"
+    text = "name,sentence,still_ms,performer,width,height\na,Oh.|No.,100,hand-made,32,32\n"
     path = design(tmp_path, text)
     make_stimuli(path, tmp_path / "whole", lists=1, workers=0)
     written: list[int] = []
@@ -168,7 +168,9 @@ def test_a_run_killed_after_any_file_goes_on_to_the_same_bits(tmp_path: Path, mo
 def test_a_face_file_of_other_content_is_another_stimulus(tmp_path: Path) -> None:
     face = load_face("default")
     write_face(face, tmp_path / "my.npz")
-    row = Stimulus("a", "Oh.", face=str(tmp_path / "my.npz"), performer="authored", still_ms="100", width=32, height=32)
+    row = Stimulus(
+        "a", "Oh.", face=str(tmp_path / "my.npz"), performer="hand-made", still_ms="100", width=32, height=32
+    )
     make_stimuli([row], tmp_path / "out", workers=0)
     assert make_stimuli([row], tmp_path / "out", workers=0).kept == ("a",)
     write_face(replace(face, licence="another"), tmp_path / "my.npz")
@@ -178,7 +180,7 @@ def test_a_face_file_of_other_content_is_another_stimulus(tmp_path: Path) -> Non
 @pytest.mark.usefixtures("toy_voice")
 def test_every_factor_changes_what_comes_out(tmp_path: Path) -> None:
     write_face(load_face("default"), tmp_path / "other.npz")
-    plain = {"name": "plain", "performer": "authored", "still_ms": "350", "width": 64, "height": 48}
+    plain = {"name": "plain", "performer": "hand-made", "still_ms": "350", "width": 64, "height": 48}
     text = "I know this."
     changed: dict[str, Any] = {
         "emotion": "happy", "intensity": 0.5, "au": "AU12:0.7", "rate": 2.0, "crop": "eyes", "background": "black",
@@ -201,7 +203,7 @@ def test_every_factor_changes_what_comes_out(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("toy_voice")
 def test_further_formats_lie_beside_the_picture(tmp_path: Path) -> None:
-    row = Stimulus("a", "Oh.", performer="authored", still_ms="100", width=32, height=32)
+    row = Stimulus("a", "Oh.", performer="hand-made", still_ms="100", width=32, height=32)
     make_stimuli([row], tmp_path, formats=[".csv", ".json", ".wav"], workers=0)
     found = {path.name for path in tmp_path.iterdir()}
     assert found == {"a.png", "a.csv", "a.json", "a-livelink.csv", "a-take.json", "a.wav", "manifest.csv"}
@@ -239,7 +241,7 @@ def test_more_faults_of_a_design(tmp_path: Path, text: str, words: str) -> None:
 
 def test_a_cluster_that_loses_a_worker_gives_the_same_bits(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    plain: dict[str, Any] = {"voice": "espeak", "performer": "authored", "still_ms": "300", "width": 32, "height": 32}
+    plain: dict[str, Any] = {"voice": "espeak", "performer": "hand-made", "still_ms": "300", "width": 32, "height": 32}
     texts = ["Oh.", "No.", "Yes.", "I see."] * 2
     rows = [Stimulus(f"s{number}", text, seed=number, **plain) for number, text in enumerate(texts)]
     with distributed.LocalCluster(

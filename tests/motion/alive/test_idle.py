@@ -5,7 +5,7 @@ import pytest
 
 from mien.core import channels
 from mien.core.timeline import FrameRate
-from mien.motion.alive.idle import AuthoredIdle
+from mien.motion.alive.idle import HandMadeIdle
 from mien.motion.drift import smooth_drift
 from tests.utterances import utterance
 
@@ -26,7 +26,7 @@ def test_drift_is_the_same_curve_at_every_frame_rate() -> None:
 
 
 def test_blinks_come_at_their_rate_and_close_the_lids() -> None:
-    idle = AuthoredIdle(blinks_per_minute=20)
+    idle = HandMadeIdle(blinks_per_minute=20)
     line = utterance(("SIL", 600.0))
     count = len(idle.blink_times(line, np.random.default_rng(5)))
     assert 150 < count < 250
@@ -35,13 +35,13 @@ def test_blinks_come_at_their_rate_and_close_the_lids() -> None:
 
 
 def test_blinks_can_be_switched_off() -> None:
-    assert AuthoredIdle(blinks_per_minute=0).blink_times(utterance(("SIL", 60.0)), np.random.default_rng(1)) == []
+    assert HandMadeIdle(blinks_per_minute=0).blink_times(utterance(("SIL", 60.0)), np.random.default_rng(1)) == []
 
 
 def test_a_blink_prefers_a_pause() -> None:
     phones = [("AA", 1.0), ("SIL", 0.4)] * 60
     line = utterance(*phones)
     pauses = np.array([p.start for p in line.phones if p.label == "SIL"])
-    blinks = np.array(AuthoredIdle().blink_times(line, np.random.default_rng(2)))
+    blinks = np.array(HandMadeIdle().blink_times(line, np.random.default_rng(2)))
     near = np.abs(blinks[:, None] - pauses[None, :]).min(axis=1) < 0.15
     assert near.mean() > 0.7

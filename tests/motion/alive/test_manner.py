@@ -8,8 +8,8 @@ import pytest
 from mien.core import channels
 from mien.core.timeline import FrameRate
 from mien.core.utterance import Utterance
-from mien.motion.alive.gaze import AuthoredGaze
-from mien.motion.alive.idle import AuthoredIdle
+from mien.motion.alive.gaze import HandMadeGaze
+from mien.motion.alive.idle import HandMadeIdle
 from mien.motion.alive.manner import HEAD_SPEED, Manner, steady_head
 from mien.motion.performer import Performer
 from mien.pipeline.perform import perform
@@ -28,7 +28,7 @@ def felt(name: str, intensity: float = 1.0) -> Score:
 
 
 def heights(score: Score) -> np.ndarray:
-    found = AuthoredGaze().saccades(LINE, 400.0, np.random.default_rng(1), score)
+    found = HandMadeGaze().saccades(LINE, 400.0, np.random.default_rng(1), score)
     return np.array([s.height for s in found])
 
 
@@ -45,13 +45,13 @@ def test_angry_eyes_hold_and_afraid_ones_dart() -> None:
 
 def test_only_while_it_is_felt() -> None:
     score = Score((EmotionSpan("sad", IntensityCurve((0.0, 199.0, 200.0), (0.0, 0.0, 1.0))),))
-    found = AuthoredGaze().saccades(LINE, 400.0, np.random.default_rng(1), score)
+    found = HandMadeGaze().saccades(LINE, 400.0, np.random.default_rng(1), score)
     before, after = (np.mean([s.height for s in found if (s.start < 199) == early]) for early in (True, False))
     assert after < before - 5
 
 
 def test_sad_lids_are_slower_and_angry_ones_rarer() -> None:
-    rate, idle = FrameRate.of(100), AuthoredIdle.of("blinks")
+    rate, idle = FrameRate.of(100), HandMadeIdle.of("blinks")
     closed = {}
     for name in ("neutral", "sad", "angry"):
         lids = idle.perform(LINE, rate, np.random.default_rng(3), felt(name))[:, LID]
@@ -62,7 +62,7 @@ def test_sad_lids_are_slower_and_angry_ones_rarer() -> None:
 
 
 def test_an_angry_head_moves_more_a_sad_one_less_and_contempt_tilts() -> None:
-    rate, idle = FrameRate.of(25), AuthoredIdle.of("sway")
+    rate, idle = FrameRate.of(25), HandMadeIdle.of("sway")
     moved = {
         name: idle.perform(LINE, rate, np.random.default_rng(3), felt(name))[:, HEAD]
         for name in ("neutral", "sad", "angry", "contempt")
@@ -83,7 +83,7 @@ def test_without_emotion_and_for_one_without_figures_it_is_the_usual_manner() ->
 
 
 def test_signs_that_are_switched_off_stay_off_whatever_is_felt() -> None:
-    nothing = AuthoredIdle.of("off").perform(LINE, FrameRate.of(25), np.random.default_rng(1), felt("contempt"))
+    nothing = HandMadeIdle.of("off").perform(LINE, FrameRate.of(25), np.random.default_rng(1), felt("contempt"))
     assert not nothing.any()
 
 
@@ -100,7 +100,7 @@ def test_a_fast_head_is_slowed_without_lag_and_a_slow_one_left_alone() -> None:
 
 @pytest.mark.parametrize("emotion", ["angry", "happy", "afraid"])
 def test_no_step_of_the_head_in_a_performance(emotion: str, spoken_line: Utterance) -> None:
-    moved = perform(spoken_line, felt(emotion), Performer.authored(), FrameRate.of(30), seed=4)
+    moved = perform(spoken_line, felt(emotion), Performer.hand_made(), FrameRate.of(30), seed=4)
     turns = np.linalg.norm(np.diff(moved.channels.values[:, HEAD], axis=0), axis=1) * 30
     assert 1 < turns.max() <= 50
 
@@ -108,7 +108,7 @@ def test_no_step_of_the_head_in_a_performance(emotion: str, spoken_line: Utteran
 def test_a_head_that_is_commanded_may_turn_as_fast_as_it_is_told() -> None:
     turn = ParameterCurve("HeadTurn", ((500.0, 0.0), (700.0, 0.7)), "linear", "set")
     line = utterance(("AA", 2.0))
-    moved = perform(line, Score((), (turn,)), Performer.authored(), FrameRate.of(30))
+    moved = perform(line, Score((), (turn,)), Performer.hand_made(), FrameRate.of(30))
     yaw = moved.channels.values[:, channels.ALL.index("headYaw")]
     assert np.abs(np.diff(yaw)).max() * 30 > 100
 

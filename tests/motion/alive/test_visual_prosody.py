@@ -11,7 +11,7 @@ from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.utterance import Utterance
-from mien.motion.alive.visual_prosody import AuthoredProsody
+from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.speech.stressed_vowels import stressed_words
 
 RATE = 16_000
@@ -39,11 +39,11 @@ LINE = sung_line("Bob found gold down here.", accented=2)
 
 
 def moved(line: Utterance, seed: int = 0, fps: float = 50, strength: float = 1.0) -> np.ndarray:
-    return AuthoredProsody(strength).perform(line, FrameRate.of(fps), np.random.default_rng(seed))
+    return HandMadeProsody(strength).perform(line, FrameRate.of(fps), np.random.default_rng(seed))
 
 
 def test_the_high_and_loud_word_is_the_accent() -> None:
-    accents = AuthoredProsody().accents(stressed_words(LINE))
+    accents = HandMadeProsody().accents(stressed_words(LINE))
     assert max(accents, key=lambda accent: accent.prominence).word == "gold"
 
 

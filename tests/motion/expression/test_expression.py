@@ -11,16 +11,16 @@ from mien.core.timeline import FrameRate
 from mien.motion.expression.expression import NEUTRAL, Expression, weights_of
 from mien.motion.expression.expression_space import RATE, ExpressionSettings, ExpressionSpace, ExpressiveMotion
 from mien.motion.expression.hand_made_performance import (
-    authored_expression,
-    authored_performance,
-    authored_space,
+    hand_made_expression,
+    hand_made_performance,
+    hand_made_space,
     sealed_share,
     space_of,
 )
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan, Score
 
-MODEL, SPACE = authored_expression(), authored_space()
+MODEL, SPACE = hand_made_expression(), hand_made_space()
 TIMES = np.arange(0, 4, 1 / 30)
 
 
@@ -83,12 +83,12 @@ def _spectrum(curve: np.ndarray) -> np.ndarray:
 
 
 def test_a_performance_is_alive_and_uneven() -> None:
-    smile = authored_performance("happy")
+    smile = hand_made_performance("happy")
     left, right = channel(smile, "mouthSmileLeft"), channel(smile, "mouthSmileRight")
     assert 0.03 < left.std() < 0.25
     assert 0.005 < (left - right).std() < 0.1
     assert np.corrcoef(left, right)[0, 1] > 0.8
-    np.testing.assert_array_equal(smile, authored_performance("happy"))
+    np.testing.assert_array_equal(smile, hand_made_performance("happy"))
 
 
 def test_surprise_has_wide_eyes() -> None:
@@ -98,7 +98,7 @@ def test_surprise_has_wide_eyes() -> None:
 def test_intensity_zero_is_neutral_and_one_is_full() -> None:
     np.testing.assert_array_equal(performed(EmotionSpan("happy", 0.0)), performed())
     full, half = (channel(performed(EmotionSpan("happy", i)), "mouthSmileLeft") for i in (1.0, 0.5))
-    source = channel(authored_performance("happy"), "mouthSmileLeft")
+    source = channel(hand_made_performance("happy"), "mouthSmileLeft")
     assert full.mean() == pytest.approx(source.mean(), rel=0.25)
     calm = channel(performed(), "mouthSmileLeft")
     assert half.mean() == pytest.approx((full.mean() + calm.mean()) / 2, rel=0.1)
@@ -147,7 +147,7 @@ def test_an_unknown_emotion_gets_a_guess() -> None:
 
 
 def test_what_was_not_recorded_is_told() -> None:
-    assert MODEL.notes(Score((EmotionSpan("sad"),))) == ()  # of an authored repertoire nothing else is expected
+    assert MODEL.notes(Score((EmotionSpan("sad"),))) == ()  # of a hand-made repertoire nothing else is expected
     own = Expression(MODEL.names, lambda _: SPACE, sealed_share(), frozenset(MODEL.names) - {"happy"})
     notes = own.notes(Score((EmotionSpan("happy"), EmotionSpan("sad"))))
     assert [note.message for note in notes] == ["sad was not recorded for this performer: its motion is hand-made"]

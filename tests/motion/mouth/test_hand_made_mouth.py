@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from mien.core import channels
 from mien.core.timeline import FrameRate
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth, cosine_interpolation
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth, cosine_interpolation
 from mien.text.phones import phone_table
 from tests.utterances import utterance
 
-MOUTH = AuthoredMouth()
+MOUTH = HandMadeMouth()
 ARPABET = sorted(phone_table())
 
 

@@ -88,7 +88,7 @@ def test_hand_made_shapes_serve_only_what_was_never_recorded(mouth: LearnedMouth
     motion = mouth.perform(line, RATE)
     times = RATE.times(len(motion.values))
     own = mouth.on_face(synthesise(mouth.speech, line.phones, times, line.audio), RATE)
-    by_hand = mouth.authored.perform(line, RATE).values
+    by_hand = mouth.hand_made.perform(line, RATE).values
     tongue = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
     lips = [i for i in range(len(channels.ALL)) if i not in tongue]
     recorded, unheard = (times > 0.2) & (times < 0.75), np.abs(times - 0.95) < 0.02
@@ -112,4 +112,4 @@ def test_what_is_out_of_range_or_unknown_is_refused() -> None:
         load_performer("defualt")
     with pytest.raises(InputError, match=r"nobody\.mien"):
         load_performer("nobody.mien")
-    assert known_performers() == ("authored", "default", "mandarin")
+    assert known_performers() == ("hand-made", "default", "mandarin")

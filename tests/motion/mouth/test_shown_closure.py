@@ -11,7 +11,7 @@ from mien.core.timeline import FrameRate
 from mien.core.utterance import Utterance
 from mien.face.library import load_face
 from mien.face.retargeting import basis_at
-from mien.motion.expression.hand_made_performance import authored_expression
+from mien.motion.expression.hand_made_performance import hand_made_expression
 from mien.motion.mouth.shown_closure import BILABIALS, close_lips
 from mien.motion.performers import load_performer
 from mien.pipeline.perform import perform
@@ -35,7 +35,7 @@ def _apart(values: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.norm(placed[:, 0] - placed[:, 1], axis=1))
 
 
-@pytest.mark.parametrize("emotion", authored_expression().names)
+@pytest.mark.parametrize("emotion", hand_made_expression().names)
 def test_lips_meet_at_every_bilabial(line: Utterance, emotion: str) -> None:
     score = Score(() if emotion == "neutral" else (EmotionSpan(emotion),))
     values = perform(line, score, load_performer("default"), RATE, seed=1).channels.values

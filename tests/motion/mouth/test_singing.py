@@ -8,7 +8,7 @@ from mien.core import channels
 from mien.core.audio import Audio
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.utterance import Utterance
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.mouth.singing import BREATH_JAW, sing
 
 JAW = channels.ALL.index("jawOpen")
@@ -29,7 +29,7 @@ def song(loud: float) -> Utterance:
 
 def test_the_jaw_follows_the_voice_in_vowels() -> None:
     line = song(0.6)
-    spoken = AuthoredMouth().perform(line, RATE)
+    spoken = HandMadeMouth().perform(line, RATE)
     sung = sing(spoken, line, RATE)
     more = sung.values[:, JAW] - spoken.values[:, JAW]
     assert more[85] > 1.5 * more[25] > 0
@@ -39,11 +39,11 @@ def test_the_jaw_follows_the_voice_in_vowels() -> None:
 
 def test_a_breath_is_taken_before_a_line() -> None:
     line = song(0.6)
-    sung = sing(AuthoredMouth().perform(line, RATE), line, RATE)
+    sung = sing(HandMadeMouth().perform(line, RATE), line, RATE)
     assert sung.values[round(3.83 * 50), JAW] > 0.8 * BREATH_JAW
     assert sung.values[150, JAW] < 0.02
 
 
 def test_silence_is_borne() -> None:
     line = replace(song(0.6), audio=Audio.silence(5.0, SOUND_RATE))
-    assert np.isfinite(sing(AuthoredMouth().perform(line, RATE), line, RATE).values).all()
+    assert np.isfinite(sing(HandMadeMouth().perform(line, RATE), line, RATE).values).all()

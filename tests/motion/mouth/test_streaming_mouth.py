@@ -10,7 +10,7 @@ from mien.core.audio import Audio
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.motion.expression.endless_motion import BLOCK, EndlessMotion, endless_expression, endless_idle
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.mouth.streaming_mouth import StreamingMouth, expected, without_sound
 from mien.motion.performer import MouthModel, Performer
 from mien.motion.performers import load_performer
@@ -32,7 +32,7 @@ def offline(mouth: MouthModel) -> np.ndarray:
     return mouth.perform(Utterance("", sound, Tier("words", ()), PHONES, "en-US", "aligned"), RATE).values
 
 
-@pytest.fixture(scope="module", params=["authored", "default"])
+@pytest.fixture(scope="module", params=["hand-made", "default"])
 def mouth(request: pytest.FixtureRequest) -> MouthModel:
     return without_sound(load_performer(request.param).mouth)
 
@@ -58,11 +58,11 @@ def test_lips_shut_on_a_bilabial_that_is_known_only_just_before(mouth: MouthMode
 
 
 def test_revised_phones_are_handed_over_without_a_jump() -> None:
-    streaming, steady = StreamingMouth(AuthoredMouth(), RATE), StreamingMouth(AuthoredMouth(), RATE)
+    streaming, steady = StreamingMouth(HandMadeMouth(), RATE), StreamingMouth(HandMadeMouth(), RATE)
     wide, shut = (Tier("phones", (Interval(0.0, 2.0, label),)) for label in ("AA", PAUSE))
     values = [streaming.frame(t, wide if t < 0.5 else shut)[0] for t in RATE.times(30)]
     jump = np.abs(np.diff(values, axis=0)).max(axis=1)
-    whole = np.abs(steady.frame(0.4, wide)[0] - StreamingMouth(AuthoredMouth(), RATE).frame(0.4, shut)[0]).max()
+    whole = np.abs(steady.frame(0.4, wide)[0] - StreamingMouth(HandMadeMouth(), RATE).frame(0.4, shut)[0]).max()
     assert jump.max() < 0.75 * whole
     assert np.abs(values[-1]).max() < 0.05
 
@@ -85,7 +85,7 @@ def test_what_is_expected_follows_what_is_known() -> None:
 
 def test_endless_motion_goes_on_without_a_jump_and_blinks_shut() -> None:
     random = np.random.default_rng(3)
-    motion = endless_idle(Performer.authored().idle, RATE, random)
+    motion = endless_idle(Performer.hand_made().idle, RATE, random)
     frames = np.array([motion.next() for _ in range(int(10 * BLOCK * 30))])
     head = frames[:, [channels.ALL.index(name) for name in channels.HEAD]]
     assert np.abs(np.diff(head, axis=0)).max() < 0.6  # degrees in a frame
@@ -96,7 +96,7 @@ def test_endless_motion_goes_on_without_a_jump_and_blinks_shut() -> None:
 
 
 def test_endless_motion_is_the_same_for_the_same_seed() -> None:
-    performer = Performer.authored()
+    performer = Performer.hand_made()
     one, other = (endless_expression(performer.expression, Score(), RATE, np.random.default_rng(5)) for _ in range(2))
     for _ in range(900):
         np.testing.assert_array_equal(one.next(), other.next())

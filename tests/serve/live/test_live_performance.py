@@ -187,20 +187,20 @@ def vowels() -> Audio:
 
 def test_a_vowel_opens_the_mouth_and_silence_shuts_it() -> None:
     jaw = channels.ALL.index("jawOpen")
-    opened = np.array([frame[jaw] for frame in frames_of(vowels(), Performer.authored())])
+    opened = np.array([frame[jaw] for frame in frames_of(vowels(), Performer.hand_made())])
     assert opened[25:40].mean() > 4 * max(opened[:10].mean(), opened[-8:].mean(), 0.005)
 
 
 def test_stored_sound_is_shown_whole_and_the_same_each_time_and_recorded() -> None:
     def once() -> Any:
-        clock, performer = SimulatedClock(), Performer.authored()
+        clock, performer = SimulatedClock(), Performer.hand_made()
         animator = LiveAnimator(performer)
         source = SampleSource(vowels().samples, "vowels")
         with LiveRecording(animator.stream.classifier.labels) as recording:
             performed = asyncio.run(
-                perform_live(source, animator, Outlets(), performer="authored", recording=recording, clock=clock)
+                perform_live(source, animator, Outlets(), performer="hand-made", recording=recording, clock=clock)
             )
-            made = recording.animation(animator.settings.rate, Score(), "authored", 0)
+            made = recording.animation(animator.settings.rate, Score(), "hand-made", 0)
         assert made is not None
         return performed, made
 
@@ -233,15 +233,15 @@ def test_look_ahead_and_emotions_are_checked() -> None:
     with pytest.raises(InputError, match="one intensity throughout"):
         LiveSettings(score=Score((EmotionSpan("happy", 0.5, 0.0, 1.0),)))
     with pytest.raises(InputError, match="did you mean 'happy'"):
-        LiveAnimator(Performer.authored(), LiveSettings(score=Score((EmotionSpan("hapy"),))))
+        LiveAnimator(Performer.hand_made(), LiveSettings(score=Score((EmotionSpan("hapy"),))))
 
 
 def test_an_emotion_is_on_the_face_all_the_time() -> None:
     settings = LiveSettings(score=Score((EmotionSpan("happy", 0.8),)))
     smile = channels.ALL.index("mouthSmileLeft")
     silence = Audio.silence(0.7, RATE)
-    happy = np.mean([f[smile] for f in frames_of(silence, Performer.authored(), settings)])
-    plain = np.mean([f[smile] for f in frames_of(silence, Performer.authored())])
+    happy = np.mean([f[smile] for f in frames_of(silence, Performer.hand_made(), settings)])
+    plain = np.mean([f[smile] for f in frames_of(silence, Performer.hand_made())])
     assert happy > plain + 0.15
 
 
@@ -315,9 +315,9 @@ def test_asking_to_stop_ends_the_stream() -> None:
 
 
 def performed(clock: SimulatedClock, source: Any, recording: LiveRecording) -> Performed:
-    animator = LiveAnimator(Performer.authored())
+    animator = LiveAnimator(Performer.hand_made())
     return asyncio.run(
-        perform_live(source, animator, Outlets(), performer="authored", recording=recording, clock=clock)
+        perform_live(source, animator, Outlets(), performer="hand-made", recording=recording, clock=clock)
     )
 
 
@@ -332,18 +332,18 @@ def late(seconds: float) -> float:
 
 def test_a_recording_of_stored_sound_is_the_same_however_late_the_machine_is() -> None:
     made, told = [], []
-    labels = LiveAnimator(Performer.authored()).stream.classifier.labels
+    labels = LiveAnimator(Performer.hand_made()).stream.classifier.labels
     for clock in (SimulatedClock(), SimulatedClock(late)):
         with LiveRecording(labels) as recording:
             told.append(performed(clock, SampleSource(voice(2.0), "voice"), recording))
-            animation = recording.performed_again(Performer.authored(), LiveSettings(), "authored", whole=False)
+            animation = recording.performed_again(Performer.hand_made(), LiveSettings(), "hand-made", whole=False)
         assert animation is not None
         made.append(animation)
     assert told[0].skipped == 0 < told[1].skipped
     count = min(len(animation.channels) for animation in made)
     assert count >= 60
     assert np.array_equal(*(animation.channels.values[:50] for animation in made))
-    whole = np.array(list(frames_of(Audio(voice(2.0), RATE), Performer.authored())))
+    whole = np.array(list(frames_of(Audio(voice(2.0), RATE), Performer.hand_made())))
     assert np.array_equal(made[0].channels.values[:50], whole[:50])
 
 
@@ -353,10 +353,10 @@ def test_sound_that_could_not_be_shown_is_in_the_recording_all_the_same() -> Non
             super().__init__(voice(6.0), "burst")
             self.stored, self.inbox = False, Inbox(1.0)
 
-    labels = LiveAnimator(Performer.authored()).stream.classifier.labels
+    labels = LiveAnimator(Performer.hand_made()).stream.classifier.labels
     with LiveRecording(labels) as recording:
         told = performed(SimulatedClock(), Burst(), recording)
-        animation = recording.performed_again(Performer.authored(), LiveSettings(), "authored", whole=True)
+        animation = recording.performed_again(Performer.hand_made(), LiveSettings(), "hand-made", whole=True)
     assert told.dropped == pytest.approx(5.0)
     assert "a recording holds them" in told.notes[0].message
     assert animation is not None

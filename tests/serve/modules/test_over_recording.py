@@ -29,7 +29,7 @@ def test_direction_at_words_phones_and_times_of_a_recording(shared_data: Path, t
     folder = shared_data / "timit-sample" / "dr3-falk0"
     script, out = tmp_path / "line.txt", tmp_path / "line.json"
     script.write_text(SCRIPT, encoding="utf-8")
-    options = ["--script", str(script), "--performer", "authored", "--fps", "100", "-o", str(out), "--quiet"]
+    options = ["--script", str(script), "--performer", "hand-made", "--fps", "100", "-o", str(out), "--quiet"]
     assert main(["animate", str(folder / "sa1.flac"), *options]) == 0
     made, words = read_native(out), labels(folder / "sa1.wrd")
     assert [word.label.lower() for word in made.utterance.words] == list(words)

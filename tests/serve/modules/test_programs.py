@@ -48,11 +48,11 @@ def test_every_module_takes_a_bare_command() -> None:
     assert run("speak", NOD).stdout == NOD + "\n"
     assert run("translate", EXPANDED).stdout == EXPANDED
     for given in (NOD, EXPANDED):
-        lines = [json.loads(line) for line in run("perform", given, "--performer", "authored").stdout.splitlines()]
+        lines = [json.loads(line) for line in run("perform", given, "--performer", "hand-made").stdout.splitlines()]
         pitch = lines[0]["channels"].index("headPitch")
         assert lines[-1] == {"end": "1", "frames": lines[0]["frames"]}
         assert len(lines) == lines[0]["frames"] + 2
-        still = run("perform", NOD.replace('"60"', '"0"'), "--performer", "authored").stdout.splitlines()[36]
+        still = run("perform", NOD.replace('"60"', '"0"'), "--performer", "hand-made").stdout.splitlines()[36]
         assert lines[36]["values"][pitch] - json.loads(still)["values"][pitch] == pytest.approx(-5.4, abs=0.06)
 
 
@@ -100,7 +100,7 @@ def test_options_that_do_not_fit(capsys: pytest.CaptureFixture[str], tmp_path: P
         (["perform", "--face", "default"], "--face is for --output"),
         (["perform", "--deformer", "tree"], "--deformer is for --output"),
         (["perform", "-o", "a.mp4", "--deformer", "trea"], "tree"),
-        (["perform", "--speech-model", "graph", "--performer", "authored"], "authored"),
+        (["perform", "--speech-model", "graph", "--performer", "hand-made"], "hand-made"),
         (["interpret", "nowhere.txt"], "no such script"),
         (["translate", "--commands", str(tmp_path / "no")], "expected a folder"),
     ):
@@ -136,7 +136,7 @@ class Chain:
         if name != "perform":
             options += ["--connect", str(self.ports[place + 1])]
         else:
-            options += ["--performer", "authored"]
+            options += ["--performer", "hand-made"]
             options += ["--connect", str(self.to_consumer)] if self.to_consumer is not None else []
         with self.frames.open("a") as frames, (self.folder / f"{name}.err").open("a") as errors:
             self.running[name] = subprocess.Popen([*MIEN, name, *options], stdout=frames, stderr=errors, text=True)
@@ -307,7 +307,7 @@ def _utterance(stream: IO[str]) -> str:
 
 def test_a_reader_that_is_slow_loses_nothing() -> None:
     perform = subprocess.Popen(
-        [*MIEN, "perform", "--performer", "authored"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [*MIEN, "perform", "--performer", "hand-made"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     assert perform.stdin is not None
     assert perform.stdout is not None
@@ -349,7 +349,7 @@ def test_two_computers(tmp_path: Path) -> None:
         inside = ["ip", "netns", "exec", space, *MIEN]
         with frames.open("w") as output:
             perform = subprocess.Popen(
-                [*inside, "perform", "--listen", "7004", "--performer", "authored"], stdout=output
+                [*inside, "perform", "--listen", "7004", "--performer", "hand-made"], stdout=output
             )
         translate = subprocess.Popen([*inside, "translate", "--listen", "0.0.0.0:7003", "--connect", "7004"])
         given = run("interpret", lines(3)).stdout

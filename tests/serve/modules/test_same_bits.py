@@ -31,10 +31,10 @@ CURVED = (
 )
 def test_the_pipe_gives_the_same_bits_as_say(tmp_path: Path, said: str, emotion: str | None) -> None:
     write_native(
-        api.say(said, emotion=emotion, performer="authored", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
+        api.say(said, emotion=emotion, performer="hand-made", seed=3, voice="kokoro-heart"), tmp_path / "say.json"
     )
     library = shipped_library()
-    performer, score, rate = prepared("authored", emotion, seed=3)
+    performer, score, rate = prepared("hand-made", emotion, seed=3)
     perform = Perform(
         library, performer, rate, 3, score, lambda made, *_: write_native(made, tmp_path / "pipe.json") and None
     )

@@ -6,14 +6,14 @@ from mien.animation.edits import BorderEdit, EditLayer, Place
 from mien.animation.edits.borders import with_borders
 from mien.core.audio import Audio
 from mien.core.timeline import FrameRate
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.serve.studio.page_memory import RememberingMouth
 from tests.animation.edits.layers import say
 
 RATE = FrameRate.of(30)
 
 
-class Counting(AuthoredMouth):
+class Counting(HandMadeMouth):
     asked = 0
 
     def perform(self, utterance, rate):
@@ -32,7 +32,7 @@ def test_asked_once_for_the_same_and_anew_for_anything_else():
     mouth.perform(line, FrameRate.of(25))
     mouth.perform(replace(line, audio=Audio(line.audio.samples, line.audio.rate)), RATE)
     assert inner.asked == 4
-    assert np.array_equal(mouth.perform(line, RATE).values, AuthoredMouth().perform(line, RATE).values)
+    assert np.array_equal(mouth.perform(line, RATE).values, HandMadeMouth().perform(line, RATE).values)
 
 
 def test_only_the_last_few_are_kept():

@@ -99,7 +99,7 @@ def test_other_files_are_refused_with_their_lines(client: Client) -> None:
 
 def test_a_take_is_exported_on_a_rig(client: Client) -> None:
     rig = client.ask("POST", "/api/rigs", SMALL.encode()).json["rig"]
-    take = client.take(text="Hi.", performer="authored", voice="espeak", fps=10)
+    take = client.take(text="Hi.", performer="hand-made", voice="espeak", fps=10)
     told = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".glb"], "rig": rig}))
     assert client.ask("GET", told["file"]).body[:4] == b"glTF"
     assert client.ask("POST", f"/api/takes/{take}/export", {"formats": [".glb"], "rig": "x"}).status == 404

@@ -217,7 +217,7 @@ def test_without_emotions_the_borders_stay_moved(client: Client) -> None:
 def test_a_video_is_seen_from_where_the_page_sees_it(client: Client, tmp_path) -> None:  # type: ignore[no-untyped-def]
     import av
 
-    take = client.take(text="Hi.", performer="authored", voice="espeak", fps=5)
+    take = client.take(text="Hi.", performer="hand-made", voice="espeak", fps=5)
     pictures = []
     for asked in ({}, {"camera": "profile", "light": "dramatic"}):
         told = client.finished(client.ask("POST", f"/api/takes/{take}/export", {"formats": [".mp4"], **asked}))
@@ -237,7 +237,7 @@ def test_a_glb_of_ones_own_is_driven_and_filmed(client: Client) -> None:
     assert {mesh["mesh"] for mesh in added.json["report"]["meshes"]} >= {"face"}
     face = added.json["face"]
     assert client.ask("GET", f"/api/faces/{face}.glb").body == body
-    take = client.take(text="Hi.", performer="authored", voice="espeak", fps=5)
+    take = client.take(text="Hi.", performer="hand-made", voice="espeak", fps=5)
     asked = {"formats": [".glb", ".mp4"], "face": face, "camera": "mouth"}
     told = client.finished(client.ask("POST", f"/api/takes/{take}/export", asked))
     assert told["state"] == "done", told

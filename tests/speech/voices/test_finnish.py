@@ -7,7 +7,7 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.speech.align import align
 from mien.speech.synthesis import synthesise
 from mien.speech.voices import get_voice
@@ -37,7 +37,7 @@ def test_quantity_is_seen() -> None:
     said = synthesise("Papin pappi.", voice="suopuhe-lj")
     assert said.native is not None
     rate = FrameRate.of(100)
-    seal = AuthoredMouth().perform(said, rate).seal
+    seal = HandMadeMouth().perform(said, rate).seal
     times = rate.times(len(seal))
 
     def sealed(label: str) -> float:

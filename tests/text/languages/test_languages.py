@@ -8,7 +8,7 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.core.timeline import Interval, Tier
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.text.languages import find_language, heard_as, in_english_phones, known_languages, native_tier
 from mien.text.languages.language import Language
 from mien.text.languages.language_detection import looks_like, note_on_language
@@ -24,7 +24,7 @@ def language(tag: str) -> Language:
 
 @pytest.mark.parametrize("tag", known_languages())
 def test_every_phone_of_a_table_has_shapes_that_exist(tag: str) -> None:
-    mouth, table = AuthoredMouth(), language(tag)
+    mouth, table = HandMadeMouth(), language(tag)
     for sign in table._segments:
         for segment in table.segments(sign):
             assert mouth.visemes_of(segment.articulation)
@@ -35,7 +35,7 @@ def test_every_phone_of_a_table_has_shapes_that_exist(tag: str) -> None:
 def test_finnish_vowels_that_english_lacks_look_like_no_other(front: str, others: tuple[str, ...]) -> None:
     def shape(phone: str) -> tuple[str, ...]:
         segment = language("fi").segments(phone)[0]
-        return segment.shapes or AuthoredMouth().visemes_of(segment.articulation)
+        return segment.shapes or HandMadeMouth().visemes_of(segment.articulation)
 
     assert all(shape(front) != shape(other) for other in others)
 

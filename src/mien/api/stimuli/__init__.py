@@ -1,4 +1,4 @@
-"""Stimuli for experiments (SPEC D6): one table of factors in, videos or pictures with a log of every frame out."""
+"""Stimuli for experiments: one table of factors in, videos or pictures with a log of every frame out."""
 
 from mien.api.stimuli.design import Stimulus, read_design
 from mien.api.stimuli.stimulus_making import StimuliReport, make_stimuli

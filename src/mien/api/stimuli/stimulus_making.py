@@ -1,7 +1,7 @@
 """Making all stimuli of a design, each with a log of every frame.
 
 Every stimulus is made alone from its row, so the same row, seed and versions give the same bits in whatever order, on
-however many workers, on this machine or on a Dask cluster (SPEC D9).
+however many workers, on this machine or on a Dask cluster.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class CleanSettings:
     Attributes
     ----------
     normalise : {"least squares", "three point"}
-        Over all rigid markers, or exactly as SPEC A3 over nose and corners of the eyes.
+        Over all rigid markers, or exactly as Deng et al. 2006 over nose and corners of the eyes.
     scale : bool
         Fit a scale per frame too (trackers that see pixels); with least squares only.
     head_hz : float

@@ -1,4 +1,4 @@
-"""The three motion groups of a face: rigid head, upper face, mouth (Cao et al. 2005, section 3.2; SPEC B1)."""
+"""The three motion groups of a face: rigid head, upper face, mouth (Cao et al. 2005, section 3.2)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class MarkerGroups:
     upper_face, mouth : tuple of str
         Markers of the two groups that move in the head; together with those of ``rigid`` they need not be all.
     nose, left_eye, right_eye : str
-        The three points of SPEC A3: nose, corners of the eyes (the speaker's left and right).
+        The three points of Deng et al. 2006, section IV: nose, corners of the eyes (the speaker's left and right).
     upper_lip, lower_lip : str
         The middle of the inner lips, whose distance is the opening of the mouth.
 

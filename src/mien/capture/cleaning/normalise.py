@@ -1,6 +1,6 @@
 """Normalisation: the head's own motion taken out of marker tracks.
 
-`three_point` is the normalisation of Deng et al. 2006, section IV (SPEC A3): every frame is moved so that its nose
+`three_point` is the normalisation of Deng et al. 2006, section IV: every frame is moved so that its nose
 marker stands where the reference frame's does, and turned so that the local frame spanned by three nearly rigid points
 (nose, two eye corners) falls on that of the reference.
 
@@ -86,7 +86,7 @@ def apply(transforms: NDArray[np.float64], positions: NDArray[np.float64]) -> ND
 def three_point(
     track: MarkerTrack, nose: str, left_eye: str, right_eye: str, reference: NDArray[np.float64]
 ) -> Normalised:
-    """Normalise as Deng et al. 2006 do: translate to the nose, rotate the local frame of three points (SPEC A3).
+    """Normalise as Deng et al. 2006 do: translate to the nose, rotate the local frame of three points.
 
     Parameters
     ----------

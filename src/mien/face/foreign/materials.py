@@ -17,7 +17,7 @@ __all__ = ["Surface", "SurfaceReader", "srgb"]
 
 _LARGEST = 2048  # pixels of a texture's side; larger ones are halved
 _SKIN = ("skin", "face", "head", "body", "wolf3d_avatar")
-_PLAIN_SKIN = (0.80, 0.62, 0.54)  # where a picture of skin cannot be read: authored
+_PLAIN_SKIN = (0.80, 0.62, 0.54)  # where a picture of skin cannot be read: hand-made
 _PLAIN = (0.62, 0.60, 0.58)
 
 

@@ -1,4 +1,4 @@
-"""The lights of the studio, read from an authored table (``assets/render/portrait.toml``)."""
+"""The lights of the studio, read from a hand-made table (``assets/render/portrait.toml``)."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Lighting:
 
     @classmethod
     def named(cls, name: str) -> Lighting:
-        """A lighting that comes with mien, from the table of its name in ``assets/render``; all authored by eye.
+        """A lighting that comes with mien, from the table of its name in ``assets/render``; all hand-made by eye.
 
         Raises
         ------

@@ -24,7 +24,7 @@ _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) ca
 _FADE_MM = 28.0
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
-# How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (authored).
+# How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (hand-made).
 _LIP_REDNESS, _LIP_FULL = 0.10, 0.22
 _LIP_ROUGHNESS, _LIP_SPECULAR = 0.60, 1.35
 

@@ -20,7 +20,7 @@ from mien.core.utterance import PAUSE, Utterance
 from mien.motion.alive.manner import Manner
 from mien.text.score import UNDIRECTED, Score
 
-__all__ = ["AuthoredGaze", "Saccade"]
+__all__ = ["HandMadeGaze", "Saccade"]
 
 Floats = NDArray[np.float64]
 _LEAST_HOLD = 0.2  # seconds between two saccades (their refractory time)
@@ -46,7 +46,7 @@ class Saccade:
     seconds: float
 
 
-class AuthoredGaze:
+class HandMadeGaze:
     """Glances for the length of an utterance.
 
     Parameters

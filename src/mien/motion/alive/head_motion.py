@@ -3,7 +3,7 @@
 Features are pitch, level, their slopes, voicing and pauses within 0.6 s about a moment (as in Busso et al. 2007, IEEE
 TASLP 15(3); the regression is ours, the paper has hidden Markov models). Learned from GRID's speaker 1 (Cooke et al.
 2006, CC BY 4.0), whose head moves little in three-second commands: `benchmarks/head_motion.py` measures on takes held
-out how much of the recorded motion it explains, beside the authored rule. `tools/learn_head.py` learns what ships.
+out how much of the recorded motion it explains, beside the hand-made rule. `tools/learn_head.py` learns what ships.
 """
 
 from __future__ import annotations

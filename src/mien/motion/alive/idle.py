@@ -1,4 +1,4 @@
-"""Signs of life: blinks, glances and a gently moving head. Authored rules, but for the head that goes with the voice.
+"""Signs of life: blinks, glances and a gently moving head. Hand-made rules, but for the head that goes with the voice.
 
 Sources for the figures:
 
@@ -21,13 +21,13 @@ from mien.core import channels
 from mien.core.errors import InputError, unknown_name
 from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE, Utterance
-from mien.motion.alive.gaze import AuthoredGaze
+from mien.motion.alive.gaze import HandMadeGaze
 from mien.motion.alive.head_motion import default_head
 from mien.motion.alive.manner import Manner
 from mien.motion.drift import smooth_drift
 from mien.text.score import UNDIRECTED, Score
 
-__all__ = ["SIGNS", "AuthoredIdle"]
+__all__ = ["SIGNS", "HandMadeIdle"]
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ SIGNS = ("blinks", "gaze", "sway", "head")
 """What can be switched."""
 
 
-class AuthoredIdle:
+class HandMadeIdle:
     """Blinks, glances and head sway for the length of an utterance.
 
     Each sign of life has a random child of its own: switching one off leaves the others as they were.
@@ -67,10 +67,10 @@ class AuthoredIdle:
         if not blinks_per_minute >= 0:
             raise InputError(f"blinks per minute are 0 (none) or more, not {blinks_per_minute:g}")
         self.blinks_per_minute, self.gaze, self.sway, self.head = blinks_per_minute, gaze, sway, head
-        self._gaze = AuthoredGaze()
+        self._gaze = HandMadeGaze()
 
     @classmethod
-    def of(cls, signs: str) -> AuthoredIdle:
+    def of(cls, signs: str) -> HandMadeIdle:
         """From names of `SIGNS` with commas between, ``"all"`` or ``"off"``.
 
         Raises
@@ -80,7 +80,7 @@ class AuthoredIdle:
 
         Examples
         --------
-        >>> idle = AuthoredIdle.of("gaze,sway")
+        >>> idle = HandMadeIdle.of("gaze,sway")
         >>> idle.blinks_per_minute, idle.gaze, idle.sway
         (0.0, True, True)
         """

@@ -1,4 +1,4 @@
-"""Visual prosody: brows and nods on accented words and phrase ends, from pitch, level, length and stress. Authored.
+"""Visual prosody: brows and nods on accented words and phrase ends, from pitch, level, length and stress. Hand-made.
 
 The rules, their figures and the studies they come from stand in ``assets/performance/prosody.toml``. An accent is a
 stressed syllable that stands out of the phrase about it; which accents move the brows and which the head is drawn,
@@ -23,7 +23,7 @@ from mien.core.timeline import FrameRate
 from mien.core.utterance import Utterance
 from mien.speech.stressed_vowels import StressedWord, stressed_words
 
-__all__ = ["DEFAULT_STRENGTH", "Accent", "AuthoredProsody"]
+__all__ = ["DEFAULT_STRENGTH", "Accent", "HandMadeProsody"]
 
 Floats = NDArray[np.float64]
 _REACH = 10.0  # seconds: longer than any gesture of the table
@@ -46,7 +46,7 @@ class Accent:
     word: str
 
 
-class AuthoredProsody:
+class HandMadeProsody:
     """Brow raises, nods, and what marks the end of a phrase or a question.
 
     Parameters

@@ -39,7 +39,7 @@ class Expression:
         emotion is performed.
     sealed_share : ndarray, shape (channels,)
         Share of each channel that remains while the lips must be shut.
-    authored : collection of str
+    hand-made : collection of str
         Emotions whose motion is hand-made rather than recorded; asking for one leaves a note on a recorded performer.
     efforts : mapping of str to float, optional
         How hard the words are articulated at full intensity, for emotions where that is not 1 (docs/effort.md).
@@ -52,11 +52,11 @@ class Expression:
         names: tuple[str, ...],
         space_of: Callable[[str], ExpressionSpace],
         sealed_share: Floats,
-        authored: frozenset[str] = frozenset(),
+        hand_made: frozenset[str] = frozenset(),
         efforts: Mapping[str, float] | None = None,
         spoken: Mapping[str, Floats] | None = None,
     ) -> None:
-        self.names, self.sealed_share, self.authored = tuple(sorted(names)), sealed_share, authored
+        self.names, self.sealed_share, self.hand_made = tuple(sorted(names)), sealed_share, hand_made
         self.space_of, self.efforts, self.spoken = space_of, dict(efforts or {}), dict(spoken or {})
 
     def check(self, score: Score) -> None:
@@ -73,9 +73,9 @@ class Expression:
 
     def notes(self, score: Score) -> tuple[Note, ...]:
         """What should be known about the emotions asked for: which were not recorded, if others were."""
-        if self.authored.issuperset(set(self.names) - {NEUTRAL}):
+        if self.hand_made.issuperset(set(self.names) - {NEUTRAL}):
             return ()
-        made = sorted({span.name for span in score.emotions} & self.authored - {NEUTRAL})
+        made = sorted({span.name for span in score.emotions} & self.hand_made - {NEUTRAL})
         return tuple(
             Note("note", f"{name} was not recorded for this performer: its motion is hand-made") for name in made
         )

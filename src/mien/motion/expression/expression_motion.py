@@ -1,4 +1,4 @@
-"""Expressive recordings without their words: warp, subtract (Deng et al. 2006, section VI; SPEC A11).
+"""Expressive recordings without their words: warp, subtract (Deng et al. 2006, section VI).
 
 The same sentence, said with an emotion and without, differs by the emotion and by its timing. The expressive take is
 warped onto its neutral twin phone by phone (takes without phone times: by the motion of the mouth); then the neutral

@@ -31,11 +31,11 @@ from mien.motion.expression.expression import Expression
 from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
 
 __all__ = [
-    "authored_expression",
-    "authored_performance",
-    "authored_sources",
-    "authored_space",
     "derived_axes",
+    "hand_made_expression",
+    "hand_made_performance",
+    "hand_made_sources",
+    "hand_made_space",
     "marker_basis",
     "sealed_share",
     "space_of",
@@ -54,12 +54,12 @@ KNEE = 0.75
 SETTLED = 2.0  # seconds at the start of a performance that are left out: nobody is caught in the middle of an onset
 
 
-def authored_expression() -> Expression:
+def hand_made_expression() -> Expression:
     """The expression model of performers without expressive recordings.
 
     Examples
     --------
-    >>> authored_expression().names
+    >>> hand_made_expression().names
     ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
     """
     table = read_table(TABLE)["emotion"]
@@ -93,15 +93,15 @@ def sealed_share() -> Floats:
 
 
 @cache
-def authored_space() -> ExpressionSpace:
+def hand_made_space() -> ExpressionSpace:
     """The expression space of the hand-made repertoire."""
-    return ExpressionSpace().fit(authored_sources())
+    return ExpressionSpace().fit(hand_made_sources())
 
 
 @cache
 def space_of(emotion: str) -> ExpressionSpace:
-    """The part of `authored_space` that one emotion needs, by what is kept of the space (`derived_axes`)."""
-    axes, performed = _axes(), authored_performance(emotion)
+    """The part of `hand_made_space` that one emotion needs, by what is kept of the space (`derived_axes`)."""
+    axes, performed = _axes(), hand_made_performance(emotion)
     curve = performed @ axes["axes"] + axes["offset"]
     return ExpressionSpace().restore({emotion: (curve,)}, {emotion: (performed,)})
 
@@ -112,8 +112,8 @@ def _axes() -> dict[str, Floats]:
 
 
 def derived_axes() -> dict[str, Floats]:
-    """`authored_space` as a map of channels: ``curve = performed @ axes + offset`` (see `mien.core.derived`)."""
-    space = authored_space().space_
+    """`hand_made_space` as a map of channels: ``curve = performed @ axes + offset`` (see `mien.core.derived`)."""
+    space = hand_made_space().space_
     basis = marker_basis(load_face("default"), LAYOUT, without_eyelids(LAYOUT))
     return {
         "axes": np.asarray((basis * space.weights_) @ space.axes_.T),
@@ -121,17 +121,17 @@ def derived_axes() -> dict[str, Floats]:
     }
 
 
-def authored_sources() -> dict[str, list[ExpressiveMotion]]:
+def hand_made_sources() -> dict[str, list[ExpressiveMotion]]:
     """All performances as expressive motion: displacements of markers on the default face, channels carried beside."""
     basis = marker_basis(load_face("default"), LAYOUT, without_eyelids(LAYOUT))
     found = {}
     for name in read_table(TABLE)["emotion"]:
-        performed = authored_performance(name)
+        performed = hand_made_performance(name)
         found[name] = [ExpressiveMotion(performed @ basis, performed)]
     return found
 
 
-def authored_performance(emotion: str) -> Floats:
+def hand_made_performance(emotion: str) -> Floats:
     """One emotion performed for a minute at `RATE`, shape (samples, channels); the same bits at every call."""
     table = read_table(TABLE)
     facts, entry = table["performance"], table["emotion"][emotion]

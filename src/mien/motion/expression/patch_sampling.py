@@ -1,8 +1,8 @@
-"""New motion out of recorded motion: patch-based sampling of a curve (SPEC A12).
+"""New motion out of recorded motion: patch-based sampling of a curve (Deng et al. 2006).
 
 Liang et al. 2001 lay patches of a picture beside one another so that their borders agree; Deng et al. 2006 (Fig. 15) do
 the same in one dimension, time: a patch of the source follows another if the few samples in which they overlap, the
-boundary zone, are alike. Past the paper (SPEC A18): velocities count in the match, and a patch that would merely go on
+boundary zone, are alike. Past the paper: velocities count in the match, and a patch that would merely go on
 where the one before it ended is passed over while another one fits, so that the result is new.
 """
 

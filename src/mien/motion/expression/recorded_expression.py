@@ -1,4 +1,4 @@
-"""Expressions of a recorded person: an expression space from their own expressive takes (SPEC A11-A14)."""
+"""Expressions of a recorded person: an expression space from their own expressive takes (Deng et al. 2006)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mien.motion.expression.expression import Expression
 from mien.motion.expression.expression_file import RecordedExpressions, rounded
 from mien.motion.expression.expression_motion import Twins, expressive_displacement, find_twins
 from mien.motion.expression.expression_space import RATE, ExpressionSpace, ExpressiveMotion
-from mien.motion.expression.hand_made_performance import authored_expression, without_eyelids
+from mien.motion.expression.hand_made_performance import hand_made_expression, without_eyelids
 
 __all__ = ["expression_of", "learn_expressions"]
 
@@ -90,15 +90,15 @@ class _ChannelsOfMarkers:
 
 def expression_of(recorded: RecordedExpressions | None) -> Expression:
     """The expression model of a performer: what was recorded, and the hand-made repertoire for what was not."""
-    authored = authored_expression()
+    hand_made = hand_made_expression()
     if recorded is None:
-        return authored
-    names = tuple(sorted({*authored.names, *recorded.space.emotions}))
+        return hand_made
+    names = tuple(sorted({*hand_made.names, *recorded.space.emotions}))
     own = frozenset(recorded.space.emotions)
 
-    efforts = {name: effort for name, effort in authored.efforts.items() if name not in own}
+    efforts = {name: effort for name, effort in hand_made.efforts.items() if name not in own}
 
     def space_of(emotion: str) -> ExpressionSpace:
-        return recorded.space if emotion in own else authored.space_of(emotion)
+        return recorded.space if emotion in own else hand_made.space_of(emotion)
 
-    return Expression(names, space_of, authored.sealed_share, frozenset(names) - own, efforts)
+    return Expression(names, space_of, hand_made.sealed_share, frozenset(names) - own, efforts)

@@ -1,4 +1,4 @@
-"""`GraphMotion`: recorded motion found for new speech, and joined (Cao et al. 2005, section 4; SPEC B2 to B6).
+"""`GraphMotion`: recorded motion found for new speech, and joined (Cao et al. 2005, section 4).
 
 The takes become an Anime Graph; the nodes of least cost are searched for the phones that are said, by what they sound
 like where there is sound; their motion is warped, joined and smoothed; closures are then held (`lip_closure`) as for

@@ -1,4 +1,4 @@
-"""Recorded phones strung together to one motion: warped in time, cross-faded at jumps (Cao et al. 2005, 4.3; SPEC B5).
+"""Recorded phones strung together to one motion: warped in time, cross-faded at jumps (Cao et al. 2005, 4.3).
 
 Every said phone shows its node's motion, warped onto it. At a *jump* (the node is not its forerunner's recorded
 successor) two phones a, b are joined:

@@ -1,4 +1,4 @@
-"""Motion in a few components: principal ones to keep and compare it, independent ones to smooth it (SPEC B2).
+"""Motion in a few components: principal ones to keep and compare it, independent ones to smooth it (Cao et al. 2005).
 
 Cao et al. 2005, sections 4.1 and 5.1: principal components that hold 95 % of the variance of all recorded motion, then
 independent component analysis (FastICA, Hyvärinen 1999), which turns and scales them. The graph keeps the principal

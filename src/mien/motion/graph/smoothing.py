@@ -1,4 +1,4 @@
-"""Low-pass filtering of joined motion, with cut-offs learned from recorded motion (Cao et al. 2005, 4.3; SPEC B6).
+"""Low-pass filtering of joined motion, with cut-offs learned from recorded motion (Cao et al. 2005, 4.3).
 
 For each independent component the cut-off is the frequency below which 99 % of the energy of all recorded motion lies.
 The filter runs forwards and backwards, so that nothing is delayed.

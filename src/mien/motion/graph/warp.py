@@ -1,4 +1,4 @@
-"""Warping recorded time onto said time by what is heard (dynamic time warping; Cao et al. 2005, section 4.3; SPEC B5).
+"""Warping recorded time onto said time by what is heard (dynamic time warping; Cao et al. 2005, section 4.3).
 
 `warped_rows` finds for each frame of the said phone where it lies in the recorded phone, so that the sum of
 distances of their audio features is least (Sakoe, Chiba 1978, symmetric: a step on in both counts twice). `time_map`

@@ -1,4 +1,4 @@
-"""Maps of the components of motion from one emotion to another (SPEC B7): the paper's, plain ones, and mien's.
+"""Maps of the components of motion from one emotion to another (Cao et al. 2005): the paper's, plain ones, and mien's.
 
 A map learns from `MeetingFrames`: the components of sentences that were said in both emotions, and which frames of the
 two say the same.

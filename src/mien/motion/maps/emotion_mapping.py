@@ -1,4 +1,4 @@
-"""Motion spoken in one emotion, as it would be in another (SPEC B7; Cao et al. 2005, section 5).
+"""Motion spoken in one emotion, as it would be in another (Cao et al. 2005, section 5).
 
 Recordings of the same sentences in two emotions are coded in independent components. Components whose mean or whose
 spread differs between the emotions are emotion components, the rest are speech; the speech parts are laid on each other

@@ -1,4 +1,4 @@
-"""`EmotionMaps`: a recorded person's maps between emotions (SPEC B7), learned and kept in a performer's file.
+"""`EmotionMaps`: a recorded person's maps between emotions (Cao et al. 2005), learned and kept in a performer's file.
 
 There is a map for each two emotions in which the same sentences were recorded, in both directions; where none is, the
 way leads through neutral. Arrays are kept in 32 bits; they are rounded at once when learned, so that a performer moves

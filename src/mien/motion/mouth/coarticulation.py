@@ -1,4 +1,4 @@
-"""Learned co-articulation as Deng et al. 2006 have it (SPEC A4 to A10): weighting curves between key shapes.
+"""Learned co-articulation as Deng et al. 2006 have it: weighting curves between key shapes.
 
 Learning: markers to principal components (`em_pca`), a sample in the middle of each phone (`phone_samples`), weights
 of the samples in the frames between them and polynomials through the weights (`curves`), key shapes (`key_visemes`).
@@ -58,7 +58,7 @@ class CoarticulationSettings:
         A key shape per phone in place of one per viseme class.
     class_back_off : bool
         Whether an unknown diphone is made with the curves of its pair of viseme classes, before cosine interpolation
-        (past the paper: SPEC A18).
+        (past the paper).
     steadiness : float
         How far weights are drawn to those of cosine interpolation (see `weights_of`; past the paper).
     learn_in : {"channels", "markers"} or None

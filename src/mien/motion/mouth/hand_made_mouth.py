@@ -1,7 +1,7 @@
-"""The authored mouth: key shapes by hand, cosine interpolation between them.
+"""The hand-made mouth: key shapes by hand, cosine interpolation between them.
 
-This is the last step of Algorithm 1 in Deng et al. 2006 (SPEC A10: "a diphone never seen: cosine interpolation of the
-key shapes"), used for everything. The key shapes and their timing rules are authored
+This is the last step of Algorithm 1 in Deng et al. 2006 ("a diphone never seen: cosine interpolation of the
+key shapes"), used for everything. The key shapes and their timing rules are hand-made
 (`assets/performance/visemes.toml`).
 """
 
@@ -19,7 +19,7 @@ from mien.core.timeline import FrameRate, Interval
 from mien.core.tracks import MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
 
-__all__ = ["AuthoredMouth", "MouthMotion", "Viseme", "cosine_interpolation"]
+__all__ = ["HandMadeMouth", "MouthMotion", "Viseme", "cosine_interpolation"]
 
 Floats = NDArray[np.float64]
 
@@ -71,8 +71,8 @@ class _Key:
     seal: float
 
 
-class AuthoredMouth:
-    """Mouth motion from phones by cosine interpolation between authored key shapes.
+class HandMadeMouth:
+    """Mouth motion from phones by cosine interpolation between hand-made key shapes.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class AuthoredMouth:
 
     Examples
     --------
-    >>> mouth = AuthoredMouth()
+    >>> mouth = HandMadeMouth()
     >>> mouth.visemes_of("AY")
     ('open', 'spread')
     """

@@ -1,4 +1,4 @@
-"""Key shapes taken from recordings on their own (SPEC A9; the future work of Deng et al. 2006, section VIII).
+"""Key shapes taken from recordings on their own (the future work of Deng et al. 2006, section VIII).
 
 The key shape of a class of phones is the geometric median of their samples: the pose with the least sum of distances to
 all of them, which a few badly aligned samples hardly move.

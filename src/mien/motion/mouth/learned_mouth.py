@@ -27,7 +27,7 @@ from mien.face.marker_sites import place_markers
 from mien.face.model import Face
 from mien.face.retargeting import Retargeter
 from mien.motion.mouth.coverage import Coverage, heard_phones
-from mien.motion.mouth.hand_made_mouth import AuthoredMouth, MouthMotion
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
 from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
 from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performer_file import LearnedSpeech
@@ -72,7 +72,7 @@ class LearnedMouth:
     def __init__(self, learned: LearnedSpeech, face: Face | None = None, speech_model: str | None = None) -> None:
         self.learned = learned
         self.speech = learned.model(speech_model)
-        self.authored = AuthoredMouth()
+        self.hand_made = HandMadeMouth()
         space = self.speech.mouth_
         self._markers = None if isinstance(space, ChannelSpace) else _OnFace(learned, space, face)
         self._columns = [channels.ALL.index(name) for name in space.names] if self._markers is None else []
@@ -100,13 +100,13 @@ class LearnedMouth:
         if self._markers is not None:
             markers = MarkerTrack(self._markers.space.names, motion, rate)
         values *= 1 - resting(utterance.phones, times)[:, None]
-        hand_made = self.authored.perform(utterance, rate)
+        hand_made = self.hand_made.perform(utterance, rate)
         own = utterance.shapes or ((),) * len(utterance.phones)
         unheard = set(self.hand_made_phones)
         unknown = [phone.label in unheard or bool(names) for phone, names in zip(utterance.phones, own, strict=True)]
         on_teeth = [phone.label in _LIP_ON_TEETH for phone in utterance.phones]
-        share = self.authored.share_of(utterance, rate, unknown)
-        share = np.maximum(share, self.authored.share_of(utterance, rate, on_teeth) ** _ON_TEETH_SHARPNESS)[:, None]
+        share = self.hand_made.share_of(utterance, rate, unknown)
+        share = np.maximum(share, self.hand_made.share_of(utterance, rate, on_teeth) ** _ON_TEETH_SHARPNESS)[:, None]
         values = values * (1 - share) + hand_made.values * share
         values[:, _TONGUE] = hand_made.values[:, _TONGUE]
         return MouthMotion(values=values, seal=hand_made.seal, markers=markers)

@@ -1,4 +1,4 @@
-"""Phone samples and the co-articulation areas between them (Deng et al. 2006, section IV; SPEC A5).
+"""Phone samples and the co-articulation areas between them (Deng et al. 2006, section IV).
 
 The sample of a phone is the pose in the middle frame of the phone. The frames between the samples of neighbouring
 phones are their co-articulation area.

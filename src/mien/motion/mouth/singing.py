@@ -1,4 +1,4 @@
-"""What singing adds to the mouth: the jaw follows the voice in vowels, and breath is taken in rests. Authored.
+"""What singing adds to the mouth: the jaw follows the voice in vowels, and breath is taken in rests. Hand-made.
 
 A singer opens the jaw further the higher and louder a vowel is (Sundberg and Skoog 1997, Journal of Voice 11: from
 about where the pitch reaches the vowel's first formant). Here the jaw opens by a share of what the vowel itself asks

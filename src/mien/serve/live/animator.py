@@ -134,7 +134,7 @@ def frames_of(audio: Audio, performer: Performer, settings: LiveSettings | None 
 
     Examples
     --------
-    >>> frames = list(frames_of(Audio.silence(0.5, 16000), Performer.authored()))
+    >>> frames = list(frames_of(Audio.silence(0.5, 16000), Performer.hand_made()))
     >>> len(frames), frames[0].shape
     (15, (71,))
     """

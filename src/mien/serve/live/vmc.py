@@ -35,7 +35,7 @@ class VmcEncoder:
     channels : sequence of str
         Of the frames.
     shapes : {"arkit", "vrm"}
-        ``"arkit"``: names as in ``BrowInnerUp``; ``"vrm"``: A, I, U, E, O, Blink_L, Blink_R by an authored table.
+        ``"arkit"``: names as in ``BrowInnerUp``; ``"vrm"``: A, I, U, E, O, Blink_L, Blink_R by a hand-made table.
 
     Raises
     ------

@@ -1,1 +1,3 @@
-"""The four modules (SPEC C1): interpret, speak, translate, perform; and the streams that join them as programs."""
+"""The four modules (Frydrych et al. 2003): interpret, speak, translate, perform; and the streams that join them as
+programs.
+"""

@@ -185,8 +185,10 @@ def _seed(value: Any, limits: Limits) -> int:
 
 
 def _performer(value: Any, limits: Limits) -> str:
-    from mien.motion.performers import known_performers
+    from mien.motion.performers import FORMER_NAME, HAND_MADE, known_performers
 
+    if value == FORMER_NAME:
+        value = HAND_MADE
     if value not in known_performers():
         raise FieldError("performer", str(unknown_name("performer", str(value)[:60], known_performers())))
     return str(value)

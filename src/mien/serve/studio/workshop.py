@@ -23,7 +23,7 @@ from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
-from mien.motion.alive.visual_prosody import AuthoredProsody
+from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.pipeline.edited_performance import with_edited_channels
@@ -129,7 +129,7 @@ class Workshop:
             )
         except InputError as problem:  # all else has been checked
             raise FieldError("emotion", str(problem)) from problem
-        performer = replace(performer, prosody=AuthoredProsody(request.prosody))
+        performer = replace(performer, prosody=HandMadeProsody(request.prosody))
         job.at("listening" if source is not None else "voice", 0.1)
         spoken = self._speech(request, source, performer, score)
         if spoken.utterance.duration > self.limits.seconds:
