@@ -16,7 +16,7 @@ def test_import_check_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert main(["corpus", "import", str(tmp_path / "in"), "-o", out, "--workers", "0", "--emotion", "sad"]) == 0
     told = capsys.readouterr()
     assert told.out == f"{out}: 1 takes (1 new, 1 could not be used)\n"
-    assert "mien: not imported: mute: mute.npz: no sound in it or beside it" in told.err
+    assert "mien: not imported: mute: mute.npz: no transcript: expected mute.txt" in told.err
     assert main(["corpus", "import", str(tmp_path / "in"), "-o", out, "--workers", "0", "--emotion", "sad"]) == 0
     assert "1 takes (0 new, 1 were there, 1 could not be used)" in capsys.readouterr().out
     assert main(["corpus", "check", out]) == 1

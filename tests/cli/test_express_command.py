@@ -78,9 +78,9 @@ def test_imported_motion_keeps_its_frames() -> None:
     ("motion", "emotion", "said"),
     [
         ("{line}", "hapy", "did you mean 'happy'"),
-        ("{line}", "nowhere.csv", "cannot read nowhere.csv"),
+        ("{line}", "nowhere.csv", "nowhere.csv: no such file"),
         ("song.wav", "happy", "expected a native animation"),
-        ("nowhere.json", "happy", "cannot read nowhere.json"),
+        ("nowhere.json", "happy", "nowhere.json: no such file"),
     ],
 )
 def test_refusals(motion: str, emotion: str, said: str, line: Path, capsys: pytest.CaptureFixture[str]) -> None:

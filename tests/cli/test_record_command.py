@@ -51,7 +51,7 @@ def test_prepared_session(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
         (["-o", "out", "--no-camera", "--camera", "x"], "contradict"),
         (["-o", "out", "--speaker", "a/b", "--from", "."], "the speaker goes into names of files"),
         (["--list", "--language", "eng"], "unknown language 'eng': did you mean 'en'?"),
-        (["--list", "--script", "gone.txt"], "gone.txt: cannot be read as a script"),
+        (["--list", "--script", "gone.txt"], "gone.txt: no such file"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(

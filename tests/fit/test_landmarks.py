@@ -60,5 +60,5 @@ def test_faults(tmp_path, name, text, told):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         read_landmarks(tmp_path / "none.csv")

@@ -67,13 +67,13 @@ def test_lists_are_words_parted_by_white_space_with_comments(tmp_path: Path) -> 
 
 def test_lists_that_cannot_be_used_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "list.txt"
-    with pytest.raises(InputError, match=r"cannot read the list of words .*list\.txt: No such file"):
+    with pytest.raises(InputError, match=r"list\.txt: no such file"):
         read_list(path, "words")
     path.write_text("# nothing\n")
     with pytest.raises(InputError, match="found none"):
         read_list(path, "words")
-    path.write_bytes(b"\xff\xfe\x00bin")
-    with pytest.raises(InputError, match="UTF-8"):
+    path.write_bytes(b"a\x00\x01b\x00\x02\xff")
+    with pytest.raises(InputError, match=r"list\.txt: expected"):
         read_list(path, "words")
 
 

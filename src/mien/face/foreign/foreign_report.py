@@ -12,7 +12,7 @@ from typing import Any
 
 from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.gltf_document import GltfDocument
-from mien.face.foreign.known_face import LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
+from mien.face.foreign.known_face import FEWEST, LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
 from mien.face.foreign.recognition import DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS
@@ -25,8 +25,6 @@ __all__ = [
 
 _LYING = 0.25
 """A target that moves less like the channel of its name than this cosine, and surely like another, lies."""
-_FEWEST = 6
-"""Targets below which a face cannot be laid over ours by its motion."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +247,7 @@ def face_report(face: ForeignFace) -> FaceReport:
 def _by_motion(face: ForeignFace) -> tuple[dict[str, Likeness], Reach | None]:
     """What every target moves like, and how far the face goes."""
     every = all_targets(face)
-    if every is None or sum(len(part.targets) for part in every.parts) < _FEWEST:
+    if every is None or len({name for part in every.parts for name in part.targets}) < FEWEST:
         return {}, None
     likely, registration = likenesses(every)
     return likely, reach(face, registration)

@@ -23,10 +23,14 @@ from mien.face.foreign.rig_names import Match, OwnNames
 from mien.face.foreign.target_geometry import Likeness, Registration, likenesses
 from mien.face.model import Face
 
-__all__ = ["BY_MOTION", "LEAST_MOUTH", "Reach", "all_targets", "known_face", "mouth_share", "note_on_mouth", "reach"]
+__all__ = [
+    "BY_MOTION", "FEWEST", "LEAST_MOUTH", "Reach", "all_targets", "known_face", "mouth_share", "note_on_mouth", "reach",
+]  # fmt: skip
 
 BY_MOTION = "what it moves"
 """Stands for a table of names where a target is known by its motion."""
+FEWEST = 6
+"""Targets below which a face cannot be laid over ours by its motion."""
 LEAST_MOUTH = 0.5
 """Share of the mouth's motion in speech below which a face is warned about."""
 _WEIGHT = {
@@ -81,7 +85,7 @@ def known_face(source: str | Path | GltfDocument, names: OwnNames | str | Path |
     if not asked:
         return face
     every = all_targets(face)
-    if every is None or not any(part.targets for part in every.parts):
+    if every is None or len({name for part in every.parts for name in part.targets}) < FEWEST:
         return face
     likely, _ = likenesses(every, asked)
     return _with(face, likely)
