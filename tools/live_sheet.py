@@ -37,7 +37,7 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--look-ahead", type=float, default=150.0, help="milliseconds (default 150)")
     parser.add_argument("--first", type=int, default=4, help="first frame that is drawn (default 4)")
-    parser.add_argument("--step", type=int, default=2, help="every how many frames (default 2)")
+    parser.add_argument("--step", type=int, default=2, help="draw one frame in so many (default 2)")
     parser.add_argument("--rows", type=int, default=3)
     options = parser.parse_args()
     audio, _ = read_audio(options.sound)

@@ -68,7 +68,7 @@ class Fold:
 
 
 def read_list(path: str | Path, what: str) -> tuple[str, ...]:
-    """Read names or words from a text file: one or more a line, parted by white space; ``#`` begins a comment.
+    """Read names or words from a text file: one or more a line, separated by white space; ``#`` begins a comment.
 
     Raises
     ------

@@ -289,7 +289,7 @@ def _list(text: str, where: str) -> tuple[ListedKey, ...]:
     for part in _parts(text, ";"):
         numbers = [piece.strip() for piece in part.split(",")]
         if len(numbers) != 2:
-            hint = "does the line before lack a ',' at its end?" if "=" in part else "pairs are parted by ';'"
+            hint = "does the line before lack a ',' at its end?" if "=" in part else "pairs are separated by ';'"
             raise InputError(f"{where}: expected a pair time,value, got {_short(part)!r}; {hint}")
         keys.append(ListedKey(_number(numbers[0], where), *_value(numbers[1], where)))
     if not keys:

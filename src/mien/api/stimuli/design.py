@@ -93,7 +93,7 @@ _NUMBERS: dict[str, Callable[[str], float | int]] = {
 def read_design(path: str | Path) -> tuple[Stimulus, ...]:
     """The stimuli of a table: CSV with commas or semicolons (the first line tells), or TSV by its suffix.
 
-    Levels in one cell are parted by ``|`` and crossed with those of the other cells of the row; several rows list
+    Levels in one cell are separated by ``|`` and crossed with those of the other cells of the row; several rows list
     what is not crossed.
 
     Raises

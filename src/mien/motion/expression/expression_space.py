@@ -56,7 +56,7 @@ class ExpressionSettings:
     components : int
         Dimensions of the space; the paper's is 3.
     stride : int
-        Every how manieth sample the axes are learned from: neighbours at `RATE` are nearly alike.
+        The axes are learned from one sample in so many: neighbours at `RATE` are nearly alike.
     patches : PatchSettings
     """
 

@@ -3,7 +3,8 @@
 On TCP every line is ``ID MESSAGE``; the receiver answers ``<done id="ID"/>`` once the message has been dealt with by
 all modules after it, or ``<refused id="ID" module="NAME">why</refused>``; the sender ends with ``<end/>``. A sender
 keeps what was not answered and sends it again when a module comes back; a receiver knows the IDs it has dealt with, so
-nothing is done twice by a module that lived on. At most `WINDOW` messages are unanswered, so a slow module slows those
+nothing is done twice by a module that stayed alive. At most `WINDOW` messages are unanswered, so a slow module slows
+those
 before it.
 """
 
