@@ -1,9 +1,8 @@
 """Songs whose phone times are known: a synthetic voice made to sing over a synthetic band.
 
 Each vowel is held and moved to a note (WSOLA, `mien.speech.sound_reshaping`), lines are separated by rests, and a band
-of
-chords
-(eight harmonics each, decaying), a bass and a brushed drum plays behind it at a given level below the voice.
+of chords (eight harmonics each, decaying), a bass and a brushed drum plays behind it at a given level below the
+voice.
 """
 
 from __future__ import annotations

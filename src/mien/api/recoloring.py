@@ -3,9 +3,8 @@
 Two ways lead there:
 
 * *learned*: the performer's map between emotions (`mien.motion.maps.emotion_maps`), from recordings of the same
-sentences in
-  both. It moves markers: those of a recorded take or a marker file as they are, those of an animation where they sit on
-  the face; the change goes back to the face's channels.
+  sentences in both. It moves markers: those of a recorded take or a marker file as they are, those of an animation
+  where they sit on the face; the change goes back to the face's channels.
 * *hand-made*: what the performer's expression does in the old emotion is taken out, what it does in the new one is put
   in, so that edits made since stay. Expressions that were not recorded are hand-made, and the result says so.
 """

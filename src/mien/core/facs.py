@@ -4,8 +4,8 @@ An action unit is named ``AU12``, with ``L`` or ``R`` after it for one side of t
 wanted, one of FACS's letters of intensity: ``AU12LC``. A weight of 1 is the unit at its strongest.
 
 Units are not channels of their own: they are spelt in the channels of `mien.core.channels`, so that they reach every
-face
-and every deformer by one way. ``assets/facs/units.toml`` holds the table, ``expressions.toml`` the basic expressions.
+face and every deformer by one way. ``assets/facs/units.toml`` holds the table, ``expressions.toml`` the basic
+expressions.
 
 References
 ----------

@@ -26,8 +26,7 @@ class Take:
     audio : Audio
     markers : MarkerTrack
         Cleaned and normalised (Deng et al. 2006): millimetres, x to the speaker's left, y up, z forward, the head's
-        own motion
-        taken out. Frame 0 stands at the start of the sound.
+        own motion taken out. Frame 0 stands at the start of the sound.
     head : ndarray, shape (frames, 4, 4), or None
         The rigid motion of the head that was taken out: maps normalised to recorded positions (mm, columns).
     text : str

@@ -6,8 +6,8 @@ Each frame asks for displacements ``d`` (markers x 3, mm) of known places; at we
     minimise  sum_t |B w_t - d_t|^2 + ridge |w_t|^2 + steadiness |w_t - w_(t-1)|^2     with 0 <= w <= 1
 
 (Deng et al. 2006, section VII, ask for weights in [0, 1].) The problem is convex; it is solved by projected gradients
-with Nesterov's
-momentum and restarts (O'Donoghue & Candes 2015), which factorises nothing and gives the same bits each time.
+with Nesterov's momentum and restarts (O'Donoghue & Candes 2015), which factorises nothing and gives the same bits
+each time.
 """
 
 from __future__ import annotations

@@ -12,9 +12,8 @@
     tongue                  skinned mesh: the 52 targets, then those of `mien.core.channels.TONGUE`
 
 Morph targets carry the names of `mien.core.channels` in ``mesh.extras.targetNames``. Targets are sparse accessors;
-every
-channel has one, an empty one costs no bytes. One ``weights`` track per mesh drives them, one key per frame, linear
-between. Normals of the targets come from `mien.face.posing`, so creases shade as in mien's own pictures.
+every channel has one, an empty one costs no bytes. One ``weights`` track per mesh drives them, one key per frame,
+linear between. Normals of the targets come from `mien.face.posing`, so creases shade as in mien's own pictures.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """The expressive repertoire that needs no recordings: emotions performed in action units by a table made by hand.
 
 Hand-made, not learned (``assets/performance/emotions.toml``). Each emotion is a performance of a minute: units are
-held,
-wander, swell in episodes with onset, hold and offset, and are never quite the same on both sides. The performance goes
-through the same `ExpressionSpace` as a recording would: as displacements of the markers on the face, with the channels
-carried beside them.
+held, wander, swell in episodes with onset, hold and offset, and are never quite the same on both sides. The
+performance goes through the same `ExpressionSpace` as a recording would: as displacements of the markers on the face,
+with the channels carried beside them.
 """
 
 from __future__ import annotations

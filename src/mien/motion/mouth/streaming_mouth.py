@@ -1,10 +1,9 @@
 """The mouth one frame at a time, from phones that are still being revised.
 
 A performer's own mouth model (learned curves, or the hand-made mouth) is asked for the few frames about an instant,
-with
-the phones that are known by then, and a guess at what follows (`expected`). Where phones
-were revised, the motion would jump from one answer to another: the difference between what was shown and what is
-answered now for the same instant is carried over and dies away within `HAND_OVER`.
+with the phones that are known by then, and a guess at what follows (`expected`). Where phones were revised, the
+motion would jump from one answer to another: the difference between what was shown and what is answered now for the
+same instant is carried over and dies away within `HAND_OVER`.
 """
 
 from __future__ import annotations

@@ -4,8 +4,7 @@ On TCP every line is ``ID MESSAGE``; the receiver answers ``<done id="ID"/>`` on
 all modules after it, or ``<refused id="ID" module="NAME">why</refused>``; the sender ends with ``<end/>``. A sender
 keeps what was not answered and sends it again when a module comes back; a receiver knows the IDs it has dealt with, so
 nothing is done twice by a module that stayed alive. At most `WINDOW` messages are unanswered, so a slow module slows
-those
-before it.
+those before it.
 """
 
 from __future__ import annotations
