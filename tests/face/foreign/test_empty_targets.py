@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.face.foreign.gltf_document import GltfDocument
@@ -52,3 +54,5 @@ def test_where_the_jaw_moves_visemes_keep_still() -> None:
 def test_a_face_of_empty_targets_is_refused() -> None:
     shown = face(set(NAMES))
     assert not shown.moves
+    with pytest.raises(InputError, match="all its morph targets are empty"):
+        shown.require_motion()

@@ -13,7 +13,7 @@ from typing import Any
 from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.known_face import FEWEST, LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
-from mien.face.foreign.recognition import DrivenTarget, ForeignFace
+from mien.face.foreign.recognition import EMPTY, DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS
 from mien.face.foreign.target_geometry import Likeness, likenesses
@@ -156,6 +156,8 @@ class FaceReport:
         ]
         if not self.meshes:
             told.append("no mesh has morph targets: nothing could move")
+        elif all(target.still == EMPTY for mesh in self.meshes for target in mesh.targets):
+            told.append("all its morph targets are empty: nothing could move")
         elif not self.moves:
             told.append("no morph target has a known name: nothing could move; give a table of your own with --names")
         else:

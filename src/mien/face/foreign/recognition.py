@@ -129,6 +129,8 @@ class ForeignFace:
         names = [target.name for mesh in self.meshes for target in mesh.targets if target.name]
         if not any(mesh.targets for mesh in self.meshes):
             raise InputError(f"{self.document.path} has no morph targets: nothing could move")
+        if all(target.still == EMPTY for mesh in self.meshes for target in mesh.targets):
+            raise InputError(f"{self.document.path}: all its morph targets are empty: nothing could move")
         told = f"its targets are {', '.join(names[:5])} ..." if names else "its targets have no names"
         raise InputError(
             f"{self.document.path} has no morph target with a known name, {told}: nothing could move; "
