@@ -128,49 +128,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
 
-    say = commands.add_parser("say", help="speak a text and perform it")
-    say.add_argument("text", metavar="TEXT", nargs="?", help="what to say; '-' reads it from standard input")
-    say.add_argument("--script", metavar="FILE", help="what to say, from a file: .txt .xml .ssml .bml (docs/script.md)")
-    say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
-    say.add_argument(
-        "--voice-emotion",
-        metavar="off|0..1",
-        default="1",
-        help="how much the voice goes with the emotion (default 1; docs/emotion.md)",
-    )
-    _add_performance_options(say)
-    say.set_defaults(run=_say)
-
-    animate = commands.add_parser("animate", help="perform recorded speech")
-    animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
-    animate.add_argument(
-        "--text",
-        metavar="FILE_OR_TEXT",
-        help="what is said; a .TextGrid gives words and phones with their times; without it phones are recognised",
-    )
-    _add_tiers_option(animate)
-    animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
-    animate.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics (docs/song.md)")
-    animate.add_argument("--voice", help=argparse.SUPPRESS)
-    _add_performance_options(animate)
-    animate.set_defaults(run=_animate)
-
-    align = commands.add_parser("align", help="find when each word and phone is said")
-    align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
-    align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
-    align.add_argument(
-        "-o",
-        "--output",
-        metavar="OUT",
-        required=True,
-        help="the file to write; its suffix picks the format: .TextGrid .json .csv .srt .vtt .lab .ctm",
-    )
-    _add_tiers_option(align)
-    align.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics")
-    _add_language_option(align)
-    align.add_argument("--quiet", action="store_true", help="say nothing but errors")
-    align.set_defaults(run=_align)
-
+    _add_say(commands)
+    _add_animate(commands)
+    _add_align(commands)
     add_corpus_commands(commands)
     add_record_command(commands)
     learn_command.add_command(commands)
@@ -198,6 +158,55 @@ def _parser() -> argparse.ArgumentParser:
         run=lambda options: parser.parse_args([options.command, "--help"] if options.command else ["--help"])
     )
     return parser
+
+
+def _add_say(commands: Any) -> None:
+    say = commands.add_parser("say", help="speak a text and perform it")
+    say.add_argument("text", metavar="TEXT", nargs="?", help="what to say; '-' reads it from standard input")
+    say.add_argument("--script", metavar="FILE", help="what to say, from a file: .txt .xml .ssml .bml (docs/script.md)")
+    say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    say.add_argument(
+        "--voice-emotion",
+        metavar="off|0..1",
+        default="1",
+        help="how much the voice goes with the emotion (default 1; docs/emotion.md)",
+    )
+    _add_performance_options(say)
+    say.set_defaults(run=_say)
+
+
+def _add_animate(commands: Any) -> None:
+    animate = commands.add_parser("animate", help="perform recorded speech")
+    animate.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
+    animate.add_argument(
+        "--text",
+        metavar="FILE_OR_TEXT",
+        help="what is said; a .TextGrid gives words and phones with their times; without it phones are recognised",
+    )
+    _add_tiers_option(animate)
+    animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
+    animate.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics (docs/song.md)")
+    animate.add_argument("--voice", help=argparse.SUPPRESS)
+    _add_performance_options(animate)
+    animate.set_defaults(run=_animate)
+
+
+def _add_align(commands: Any) -> None:
+    align = commands.add_parser("align", help="find when each word and phone is said")
+    align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
+    align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
+    align.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="the file to write; its suffix picks the format: .TextGrid .json .csv .srt .vtt .lab .ctm",
+    )
+    _add_tiers_option(align)
+    align.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics")
+    _add_language_option(align)
+    align.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    align.set_defaults(run=_align)
 
 
 def _add_performance_options(parser: argparse.ArgumentParser) -> None:

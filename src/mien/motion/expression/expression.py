@@ -1,8 +1,8 @@
 """`Expression`: what the emotions of a score ask of the face, sampled from expressive motion.
 
-Each emotion of the score is a stretch of new motion from an `ExpressionSpace`, weighed by its intensity over time (SPEC
-A13). Emotions that overlap share the face: where their intensities add up to more than one, each gets its part. What
-is left below one is neutral: a face at rest is not a still face.
+Each emotion of the score is a stretch of new motion from an `ExpressionSpace`, weighed by its intensity over time
+(Deng et al. 2006). Emotions that overlap share the face: where their intensities add up to more than one, each gets
+its part. What is left below one is neutral: a face at rest is not a still face.
 """
 
 from __future__ import annotations
