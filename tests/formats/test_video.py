@@ -178,3 +178,36 @@ def test_a_file_that_cannot_grow_is_one_line_and_no_file(tmp_path):
     assert result.stdout.startswith(f"cannot write {path}: ")
     assert len(result.stdout.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("at", ["the last flush", "the first picture"])
+def test_a_fault_of_the_encoder_is_raised_and_nothing_waits_for_ever(at: str) -> None:
+    from threading import Thread
+
+    from mien.formats import video as module
+
+    class Full:
+        """A stream whose encoder fails at one point, and the container that takes what comes before."""
+
+        def encode(self, frame: object) -> list[object]:
+            if (frame is None) == (at == "the last flush"):
+                raise OSError("disk full")
+            return []
+
+        def mux(self, packets: object) -> None:
+            pass
+
+    raised: list[BaseException] = []
+
+    def encode() -> None:
+        pictures = iter([np.zeros((16, 16, 3), np.uint8)] * 40)
+        try:
+            module._encode(Full(), Full(), None, pictures, Fraction(25), Audio(np.zeros(0), 48_000))
+        except OSError as problem:
+            raised.append(problem)
+
+    thread = Thread(target=encode, daemon=True)
+    thread.start()
+    thread.join(60)
+    assert not thread.is_alive()
+    assert [str(problem) for problem in raised] == ["disk full"]

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from queue import Queue
-from threading import Thread
+from threading import Event, Thread
 from typing import Any, Protocol
 
 import av
@@ -180,13 +180,19 @@ def _encode(
     """Feed the encoders from a second thread while this one draws."""
     queue: Queue[tuple[int, Picture] | None] = Queue(maxsize=_WAITING)
     failures: list[BaseException] = []
+    ended = Event()
+
+    def fed() -> Iterator[tuple[int, Picture]]:
+        while (item := queue.get()) is not None:
+            yield item
+        ended.set()
 
     def work() -> None:
         try:
-            _encode_queue(container, video, voice, queue, fps, sound)
+            _encode_pictures(container, video, voice, fed(), fps, sound)
         except BaseException as problem:  # handed to the caller's thread, which raises it
             failures.append(problem)
-            while queue.get() is not None:
+            while not ended.is_set() and queue.get() is not None:  # a fault of the last flush has nothing to wait for
                 pass
 
     worker = Thread(target=work, name="mien-video-encoder")
@@ -203,13 +209,12 @@ def _encode(
         raise failures[0]
 
 
-def _encode_queue(
-    container: Any, video: Any, voice: Any | None, queue: Queue[tuple[int, Picture] | None], fps: Fraction, sound: Audio
+def _encode_pictures(
+    container: Any, video: Any, voice: Any | None, fed: Iterator[tuple[int, Picture]], fps: Fraction, sound: Audio
 ) -> None:
     """Encode pictures as they come, each followed by the sound up to its end, so that the tracks lie side by side."""
     blocks = _SoundBlocks(container, voice, sound)
-    while (item := queue.get()) is not None:
-        number, picture = item
+    for number, picture in fed:
         frame = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
             format="yuv420p",
             src_colorspace="ITU709",
