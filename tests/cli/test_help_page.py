@@ -35,6 +35,7 @@ def test_every_command_stands_on_the_page_once_and_grouped(capsys: pytest.Captur
         (["sya", "hello"], "did you mean 'say'?"),
         (["say", "hello", "-o", "x.csv", "--emotoin", "sad"], "did you mean --emotion?"),
         (["corpus", "improt"], "did you mean 'import'?"),
+        (["help", "sya"], "did you mean 'say'?; see mien --help"),
         (["zzzz"], "there is no command 'zzzz'; see mien --help"),
     ],
 )

@@ -181,6 +181,7 @@ def test_words_written_alike(text: str, phones: str) -> None:
         ("2026-11-30T12:00Z", "november thirtieth twenty twenty six at twelve o'clock u. t. c."),
         ("192.168.0.1", "one nine two dot one six eight dot zero dot one"),
         ("version 3.11.7", "version three point eleven point seven"),
+        ("'µ and 'π", "micro and pi"),
         ("WWII", "world war two"),
         ("a JPEG", "a jay peg"),
         ("i. First\n(iv) last", "one first four last"),

@@ -52,7 +52,8 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say it in one line, like every other error, with the nearest name that exists."""
         commands = self._commands()
-        meant = commands.get(next((word for word in sys.argv[1:] if word in commands), ""), self)
+        chosen = message.startswith("argument COMMAND")
+        meant = self if chosen else commands.get(next((word for word in sys.argv[1:] if word in commands), ""), self)
         message = with_suggestion(message, commands, options_of(meant))
         self.exit(2, f"{self.prog}: error: {message}; see {meant.prog} --help\n")
 
@@ -222,6 +223,12 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     add_face_option(parser)
+    _add_performer_options(parser)
+    _add_language_option(parser)
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_performer_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--deformer",
         default="blendshapes",
@@ -269,8 +276,6 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         default="all",
         help="which signs of life move the face besides (default all)",
     )
-    _add_language_option(parser)
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
 
 def _add_tiers_option(parser: argparse.ArgumentParser) -> None:

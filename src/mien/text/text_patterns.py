@@ -15,7 +15,7 @@ from mien.text.spoken_numbers import cardinal, decimal, digits, english_table, f
 __all__ = ["READERS", "TEXT_PATTERN"]
 
 _VULGAR = "½¼¾⅓⅔"
-_LETTER = rf"[^\W\d_²³{_VULGAR}]\u0301*"
+_LETTER = rf"[^\W\d_²³µπ{_VULGAR}]\u0301*"  # letters that stand for words are signs
 _ROMAN = {"II": 2, "III": 3, "IV": 4, "VI": 6, "VII": 7, "VIII": 8, "IX": 9, "XI": 11, "XII": 12, "XIII": 13}
 _ROMAN |= {"XIV": 14, "XV": 15, "XVI": 16, "XVII": 17, "XVIII": 18, "XIX": 19, "XX": 20, "XXI": 21}
 _NUMBER = r"(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?|\.\d+"
@@ -287,7 +287,8 @@ def _any_of(names: list[str]) -> str:
     return "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
 
 
-def _patterns() -> dict[str, tuple[str, Reader]]:
+def _numbers() -> dict[str, tuple[str, Reader]]:
+    """Addresses, dates, times, money and numbers: what is tried first."""
     table = english_table()
     currencies, sizes = _any_of(list(table["currencies"])), _any_of(list(table["magnitudes"]))
     return {
@@ -342,6 +343,13 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
         ),
         "sized": (rf"(?P<how_many>{_NUMBER})(?P<magnitude>k|K|M|B|bn)\b", _sized),
         "number": (rf"(?P<minus_sign>(?<![\w.])-)?(?P<plain>{_NUMBER})", _number),
+    }
+
+
+def _letters() -> dict[str, tuple[str, Reader]]:
+    """Abbreviations, initials, signs and plain words."""
+    table = english_table()
+    return {
         "streetorsaint": (r"\bSt\b\.?", _street_or_saint),
         "abbreviation": (rf"(?i:(?<![\w.])(?:{_any_of(list(table['abbreviations']))}))", _abbreviation),
         "title": (rf"\b(?:{_any_of(list(table['titles']))})\b", _title),
@@ -353,6 +361,6 @@ def _patterns() -> dict[str, tuple[str, Reader]]:
     }
 
 
-_PATTERNS = _patterns()
+_PATTERNS = _numbers() | _letters()
 READERS: dict[str, Reader] = {name: reader for name, (_, reader) in _PATTERNS.items()}
 TEXT_PATTERN = re.compile("|".join(f"(?P<{name}>{pattern})" for name, (pattern, _) in _PATTERNS.items()))
