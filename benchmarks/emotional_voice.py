@@ -5,7 +5,7 @@
 writes ``docs/tables/emotional_voice.md``. Sentences that the reader of emotion never heard are spoken without emotion
 and then with each at full strength (`mien.emotion.emotional_voice`). The reader was learned from recordings of people.
 *Alone*: it hears one sentence; *beside neutral*: it also hears the same voice saying the other sentences without
-emotion. The reader was not used to tune ``assets/emotions/speaking.toml`` on these lines, but it
+emotion. The reader was not used to tune ``assets/performance/emotions`` on these lines, but it
 was learned from the corpus whose means stand behind the sizes of pitch and tilt there.
 Phone error: edit distance of what a recogniser (hama) hears from the dictionary, as in ``benchmarks/voices.py``.
 """
@@ -13,13 +13,12 @@ Phone error: edit distance of what a recogniser (hama) hears from the dictionary
 from __future__ import annotations
 
 import argparse
-import tomllib
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 from voices import heard_phones, phone_errors
 
+from mien.core.emotions import emotions
 from mien.core.files import replace_when_complete
 from mien.core.utterance import PAUSE, Utterance
 from mien.emotion.emotion_classifier import NEUTRAL, EmotionClassifier, default_classifier
@@ -31,7 +30,7 @@ from mien.text.normalisation import spoken_words
 from mien.text.score import EmotionSpan, Score
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "emotional_voice.md"
-SPEAKING = tomllib.loads(files("mien").joinpath("assets", "emotions", "speaking.toml").read_text(encoding="utf-8"))
+SPEAKING = {name: table["voice"] for name, table in emotions().items() if "voice" in table}
 EMOTIONS = (NEUTRAL, *SPEAKING)
 JUDGED = (NEUTRAL, "happy", "sad", "angry", "afraid")
 SENTENCES = (
@@ -127,7 +126,7 @@ def main() -> None:
         "",
         f"Written by `python benchmarks/emotional_voice.py`: {given.sentences} sentences, emotions at full strength.",
         "Changes are against the same voice without emotion; ✗: not in the direction of the table and its sources",
-        "(`assets/emotions/speaking.toml`). Bright: level above 1 kHz less that below.",
+        "(`assets/performance/emotions`). Bright: level above 1 kHz less that below.",
         "Recognised: how often a reader of emotion learned from people finds the emotion likeliest of these five;",
         "chance is .20. It was learned from the corpus (EmoDB) whose means stand behind the sizes of pitch and tilt.",
         "Phone error in %, as in [voices](voices.md).",

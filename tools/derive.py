@@ -16,7 +16,7 @@ from mien.motion.expression import hand_made_performance
 
 MADE: dict[str, tuple[Sequence[str], Callable[[], Mapping[str, NDArray[Any]]]]] = {
     marker_sites.DERIVED: (marker_sites.sources(), marker_sites.derived_sites),
-    hand_made_performance.DERIVED: (hand_made_performance.SOURCES, hand_made_performance.derived_axes),
+    hand_made_performance.DERIVED: (hand_made_performance.sources(), hand_made_performance.derived_axes),
 }
 """Files of ``assets`` that each is worked out from, and what works it out."""
 

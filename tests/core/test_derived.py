@@ -41,6 +41,8 @@ def test_it_is_current(name: str) -> None:
 
 def test_nothing_is_read_once_a_source_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(derived, "assets_folder", lambda: tmp_path)
+    monkeypatch.setattr(derived, "asset", lambda path: tmp_path / path)
+    (tmp_path / "derived").mkdir()
     (tmp_path / "source").write_text("one")
     assert derived.read_derived("made", ["source"]) is None
     derived.write_derived("made", ["source"], {"numbers": np.arange(3)})

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
-from importlib.resources import files
 
 import numpy as np
 import pytest
 
 from mien.core.audio import Audio
+from mien.core.emotions import emotions
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import Utterance
 from mien.emotion.emotion_classifier import NEUTRAL
@@ -20,7 +19,7 @@ from mien.text.intensity import IntensityCurve
 from mien.text.score import UNDIRECTED, EmotionSpan, Score
 
 RATE = 16_000
-TABLE = tomllib.loads(files("mien").joinpath("assets", "emotions", "speaking.toml").read_text(encoding="utf-8"))
+TABLE = {name: table["voice"] for name, table in emotions().items() if "voice" in table}
 
 
 def felt(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from mien.core import plug_ins
 from mien.core.errors import InputError
 from mien.formats import registry
 from tests.faces import tiny_animation
@@ -40,10 +41,10 @@ def bring(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         (about / "entry_points.txt").write_text(f"[{registry.PLUG_INS}]\nframes = {value}\n")
         monkeypatch.syspath_prepend(str(tmp_path))
         monkeypatch.delitem(sys.modules, "framecount", raising=False)
-        registry._plugged_in.cache_clear()
+        plug_ins._entries.cache_clear()
 
     yield install
-    registry._plugged_in.cache_clear()
+    plug_ins._entries.cache_clear()
 
 
 def test_a_format_of_another_package_is_written_and_listed(bring, tmp_path: Path) -> None:

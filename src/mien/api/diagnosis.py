@@ -71,13 +71,20 @@ def _core() -> list[Finding]:
         ("soxr", "no sound can be resampled"),
     ):
         found.append(_package(package, cost))
-    return [*found, _kernels()]
+    return [*found, _kernels(), *_own_tables()]
 
 
 def _kernels() -> Finding:
     from mien.core.compiled import cache_note
 
     return Finding("kernels", "ok", cache_note())
+
+
+def _own_tables() -> list[Finding]:
+    from mien.core.assets import own_folder, own_tables
+
+    tables = own_tables()
+    return [Finding("tables of your own", "ok", f"in {own_folder()}: {', '.join(tables)}")] if tables else []
 
 
 def _package(name: str, cost: str) -> Finding:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.channels import ARKIT
 from mien.core.errors import unknown_name
 
@@ -105,7 +104,7 @@ def knowledge() -> Knowledge:
     >>> ("jawLeft", "jawRight") in knowledge().antagonists
     True
     """
-    table = tomllib.loads(files("mien").joinpath("assets", "capture", "solver.toml").read_text(encoding="utf-8"))
+    table = asset_table("capture/solver.toml")
     always = _matched(table["channels"]["always"])
     depth = _matched(table["channels"]["with_depth"])
     return Knowledge(

@@ -11,7 +11,6 @@ import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.cleaning.groups import MarkerGroups
+from mien.core.assets import asset, assets_in
 from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
@@ -88,10 +88,6 @@ class Layout:
         )
 
 
-def _folder() -> Path:
-    return Path(str(resources.files("mien") / "assets" / "markers"))
-
-
 def known_layouts() -> tuple[str, ...]:
     """Names of the layouts that come with mien.
 
@@ -100,7 +96,7 @@ def known_layouts() -> tuple[str, ...]:
     >>> known_layouts()
     ('expression-109', 'face-102', 'mediapipe-218', 'mpeg4-32')
     """
-    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+    return tuple(assets_in("markers"))
 
 
 @cache
@@ -126,7 +122,7 @@ def load_layout(name: str) -> Layout:
     if name.endswith(".toml"):
         path = Path(name)
     elif name in known_layouts():
-        path = _folder() / f"{name}.toml"
+        path = asset(f"markers/{name}.toml")
     else:
         raise unknown_name("marker layout", name, known_layouts())
     with reading(path, "a marker layout"):

@@ -91,11 +91,13 @@ def _formats() -> Iterable[Row]:
 
 
 def _performers() -> Iterable[Row]:
-    from mien.motion.performers import HAND_MADE, known_performers, load_learned_performer
+    from mien.motion.performers import HAND_MADE, brought_performers, known_performers, load_learned_performer
 
     for name in known_performers():
         if name == HAND_MADE:
             yield name, "made by hand, learned from nobody"
+        elif name in brought_performers():
+            yield name, f"of the package {brought_performers()[name][0]}"
         else:
             yield name, f"learned from {len(load_learned_performer(name).trained_on)} takes (see NOTICE)"
     yield "FILE.mien", "one of your own, learned by 'mien learn'"

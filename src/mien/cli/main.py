@@ -274,7 +274,7 @@ def _add_performer_options(parser: argparse.ArgumentParser) -> None:
         "--alive",
         metavar="all|off|blinks,gaze,head,sway",
         default="all",
-        help="which signs of life move the face besides (default all)",
+        help="which signs of life move the face besides (default all); blinks=8, or all,blinks=8: so many a minute",
     )
 
 

@@ -11,24 +11,19 @@ import hashlib
 import io
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset, assets_folder
 from mien.core.files import replace_when_complete
 
-__all__ = ["assets_folder", "derived_path", "digest_of", "read_derived", "write_derived"]
+__all__ = ["derived_path", "digest_of", "read_derived", "write_derived"]
 
 Arrays = dict[str, NDArray[Any]]
 _DIGEST = "digest"
-
-
-def assets_folder() -> Path:
-    """The folder of what comes with mien."""
-    return Path(str(resources.files("mien") / "assets"))
 
 
 def derived_path(name: str) -> Path:
@@ -46,7 +41,7 @@ def digest_of(sources: Sequence[str]) -> NDArray[np.uint8]:
     """
     digest = hashlib.blake2b(digest_size=32)
     for source in sources:
-        path = assets_folder() / source
+        path = asset(source)
         digest.update(f"{source}\n".encode() + _digest_of_file(path, path.stat().st_mtime_ns, path.stat().st_size))
     return np.frombuffer(digest.digest(), np.uint8)
 

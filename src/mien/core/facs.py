@@ -15,15 +15,14 @@ Ekman, P. & Friesen, W. V. (1978). Facial Action Coding System. Frydrych et al. 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
+from mien.core.assets import asset_table
 from mien.core.channels import ALL, WEIGHTS
 from mien.core.errors import InputError, unknown_name
 from mien.core.tracks import ChannelTrack
@@ -72,7 +71,7 @@ class ActionUnit:
 
 
 def _table(name: str) -> dict[str, Any]:
-    return tomllib.loads(files("mien").joinpath("assets", "facs", name).read_text(encoding="utf-8"))
+    return asset_table(f"facs/{name}")
 
 
 @cache

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
+from mien.core.assets import asset_table
 from mien.core.errors import unknown_name
 
 __all__ = ["pose_vector", "read_table"]
@@ -20,7 +19,7 @@ __all__ = ["pose_vector", "read_table"]
 @cache
 def read_table(name: str) -> dict[str, Any]:
     """One table of ``assets/performance`` as nested dictionaries; read once, so leave it as it is."""
-    return tomllib.loads(files("mien").joinpath("assets", "performance", name).read_text(encoding="utf-8"))
+    return asset_table(f"performance/{name}")
 
 
 def pose_vector(pose: Mapping[str, float], where: str, names: Sequence[str] = channels.ALL) -> NDArray[np.float64]:

@@ -16,7 +16,6 @@ import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from numpy.typing import NDArray
 from mien.capture.capture import capture_take
 from mien.capture.person import Person, fit_person
 from mien.capture.person_file import arrays_of, person_from, stamp_of
+from mien.core.assets import asset
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays
@@ -216,7 +216,7 @@ def _solver() -> str:
     """Tells this solver, and the face and table that it works with, from others."""
     value = hashlib.sha256(SOLVER.encode())
     for name in _READS:
-        value.update(resources.files("mien").joinpath("assets", name).read_bytes())
+        value.update(asset(name).read_bytes())
     return value.hexdigest()[:16]
 
 

@@ -12,14 +12,13 @@ from __future__ import annotations
 
 import csv
 import re
-import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, unknown_name
 
 __all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds", "speaker_of_name"]
@@ -145,8 +144,7 @@ def speaker_of_name(path: str | Path) -> str | None:
 
 @lru_cache(maxsize=1)
 def _tables() -> dict[str, Any]:
-    text = files("mien").joinpath("assets", "emotions", "labels.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return asset_table("emotions/labels.toml")
 
 
 def _of_table(path: Path) -> tuple[LabelledSound, ...]:

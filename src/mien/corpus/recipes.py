@@ -7,10 +7,10 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from mien.core.assets import asset, assets_in
 from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
@@ -148,10 +148,6 @@ def _check_pattern(pattern: str) -> None:
             raise unknown_name("group in the name pattern", group, FIELDS)
 
 
-def _folder() -> Path:
-    return Path(str(resources.files("mien") / "assets" / "recipes"))
-
-
 def known_recipes() -> tuple[str, ...]:
     """Names of the recipes that come with mien.
 
@@ -160,7 +156,7 @@ def known_recipes() -> tuple[str, ...]:
     >>> known_recipes()
     ('c3d', 'grid', 'livelink', 'tracks', 'video')
     """
-    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+    return tuple(assets_in("recipes"))
 
 
 def load_recipe(name: str) -> Recipe:
@@ -179,7 +175,7 @@ def load_recipe(name: str) -> Recipe:
     if name.endswith(".toml"):
         path = Path(name)
     elif name in known_recipes():
-        path = _folder() / f"{name}.toml"
+        path = asset(f"recipes/{name}.toml")
     else:
         raise unknown_name("recipe", name, known_recipes())
     with reading(path, "a recipe"):

@@ -15,19 +15,19 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.audio import Audio
 from mien.core.border import reading
+from mien.core.emotions import emotions as emotion_tables
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays, read_bytes, read_member
-from mien.core.poses import read_table
 from mien.emotion.emotion_samples import VOICE, EmotionSamples, feature_names, features_of
 from mien.emotion.support_vectors import Kernel, SupportVectors
 from mien.speech.voice_features import STEP, SpeechFrames, analyse
@@ -99,7 +99,7 @@ class EmotionReading:
         """
         if self.emotion == NEUTRAL:
             return 0.0
-        quiet = _arousal()[self.emotion] < _arousal()[NEUTRAL]
+        quiet = emotion_tables()[self.emotion]["arousal"] < emotion_tables()[NEUTRAL]["arousal"]
         return 0.4 + 0.6 * (1 - self.activation if quiet else self.activation)
 
 
@@ -358,17 +358,13 @@ def _read(content: bytes, name: str) -> EmotionClassifier:
 @lru_cache(maxsize=1)
 def default_classifier() -> EmotionClassifier:
     """The classifier that ships: learned from the Berlin Database of Emotional Speech."""
-    return _read(files("mien").joinpath("assets", "emotions", "voice.npz").read_bytes(), "the default classifier")
-
-
-@lru_cache(maxsize=1)
-def _arousal() -> dict[str, float]:
-    return {name: float(value) for name, value in read_table("arousal.toml")["arousal"].items()}
+    return _read(asset("emotions/voice.npz").read_bytes(), "the default classifier")
 
 
 def _activation_weights(scaled: NDArray[np.float64], emotions: tuple[str, ...]) -> NDArray[np.float64]:
     """Ridge regression from features to the arousal that the emotions' names stand for (a hand-made table)."""
-    target = np.array([_arousal()[name] for name in emotions])
+    known = emotion_tables()
+    target = np.array([float(known[name]["arousal"]) for name in emotions])
     middle = float(target.mean())
     gram = scaled.T @ scaled + _RIDGE * np.eye(scaled.shape[1])
     return np.append(np.linalg.solve(gram, scaled.T @ (target - middle)), middle)

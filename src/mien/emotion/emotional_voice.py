@@ -1,22 +1,21 @@
 """What is felt given to a voice that was spoken without it: rate, pauses, pitch, accents, level, tilt and breath.
 
-The figures stand in ``assets/emotions/speaking.toml``, with the studies that they come from. A voice does not have to
+The figures stand in the emotions' tables (``[voice]``), with the studies that they come from. A voice does not have to
 know how: its sound is shaped after it was spoken (`mien.speech.pitch_synchronous`, `mien.speech.timbre_shaping`), and
 words and phones keep to the sound.
 """
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.emotions import emotions
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.pitch import PitchContour, level_contour, pitch_contour
@@ -122,9 +121,10 @@ def with_feeling(
 
 @cache
 def _table() -> dict[str, dict[str, float]]:
-    text = files("mien").joinpath("assets", "emotions", "speaking.toml").read_text(encoding="utf-8")
     return {
-        emotion: {name: float(value) for name, value in row.items()} for emotion, row in tomllib.loads(text).items()
+        emotion: {name: float(value) for name, value in row["voice"].items()}
+        for emotion, row in emotions().items()
+        if "voice" in row
     }
 
 

@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from importlib.resources import files
 from io import BytesIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.compiled import njit
 from mien.face.model import Part
 
@@ -126,7 +126,7 @@ def folds_of(part: Part, sizes: NDArray[np.int32]) -> Folds | None:
 
 @cache
 def _drawn() -> tuple[str, tuple[Fold, ...]]:
-    data = (files("mien") / "assets" / "render" / "folds.npz").read_bytes()
+    data = asset("render/folds.npz").read_bytes()
     with np.load(BytesIO(data), allow_pickle=False) as arrays:
         size = int(arrays["size"])
         found = []

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mien.core.assets import asset
 from mien.face.library import load_face
 from mien.face.model import Face, Part
 
@@ -91,7 +90,7 @@ class HeadSpace:
 def head_space() -> HeadSpace:
     """The space of heads that comes with mien."""
     face = load_face("default")
-    path = Path(str(resources.files("mien") / "assets" / "fitting" / "default.npz"))
+    path = asset("fitting/default.npz")
     with np.load(path, allow_pickle=False) as archive:
         data = {name: archive[name] for name in archive.files}
     shares = {name: data[name].astype(np.float64) / 255 for name in ("inside_mouth", "lips", "ears", "socket")}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from importlib import resources
 from pathlib import Path
 
+from mien.core.assets import asset
 from mien.core.errors import unknown_name
 from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
@@ -15,7 +15,7 @@ __all__ = ["known_faces", "load_face"]
 
 
 def _folder() -> Path:
-    return Path(str(resources.files("mien") / "assets" / "faces"))
+    return asset("faces")
 
 
 def known_faces() -> tuple[str, ...]:

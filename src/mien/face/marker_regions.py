@@ -16,15 +16,14 @@ All of it is linear in the displacements: one matrix (vertices x markers) does i
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mien.core.assets import asset_table
 from mien.core.errors import InputError
 from mien.face.marker_sites import SkinDistances, load_marker_places, place_markers, skin_of
 from mien.face.model import Face, Part, Target
@@ -80,7 +79,7 @@ class MarkerSites:
 
 
 def _asset(folder: str, name: str) -> dict[str, Any]:
-    return tomllib.loads(files("mien").joinpath("assets", folder, name).read_text(encoding="utf-8"))
+    return asset_table(f"{folder}/{name}")
 
 
 def sites_of_layout(face: Face, layout: str = "mediapipe-218") -> MarkerSites:

@@ -15,16 +15,15 @@ is on is told by the distance along the skin (``[lips]`` in ``assets/regions``).
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset, asset_table
 from mien.core.channels import ARKIT
 from mien.core.derived import read_derived
 from mien.core.errors import InputError
@@ -121,7 +120,7 @@ def load_marker_places(layout: str) -> MarkerPlaces:
 
 
 def _asset(folder: str, name: str) -> dict[str, Any]:
-    return tomllib.loads(files("mien").joinpath("assets", folder, name).read_text(encoding="utf-8"))
+    return asset_table(f"{folder}/{name}")
 
 
 @cache
@@ -200,7 +199,7 @@ def _on_default(default: Face, layout: MarkerPlaces) -> tuple[Site, ...]:
 
 def sources() -> tuple[str, ...]:
     """Files of ``assets`` that the markers' vertices on the default face are worked out from."""
-    layouts = sorted(entry.name for entry in files("mien").joinpath("assets", "markers").iterdir())
+    layouts = sorted(entry.name for entry in asset("markers").iterdir())
     return ("faces/default.npz", "regions/mediapipe-218.toml", *(f"markers/{name}" for name in layouts))
 
 

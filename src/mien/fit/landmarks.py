@@ -20,13 +20,13 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
@@ -63,7 +63,7 @@ def known_landmarks() -> dict[str, Landmark]:
     >>> known_landmarks()["nose_tip"].words
     'the foremost point of the nose'
     """
-    path = Path(str(resources.files("mien") / "assets" / "fitting" / "landmarks.toml"))
+    path = asset("fitting/landmarks.toml")
     return {name: Landmark(**facts) for name, facts in tomllib.loads(path.read_text(encoding="utf-8")).items()}
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 import unicodedata
 from collections.abc import Sequence
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from mien.animation.animation import Animation
+from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.core.utterance import PAUSE
@@ -133,7 +132,7 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
 
 @cache
 def _plain_letters() -> dict[int, str]:
-    table = tomllib.loads((files("mien") / "assets" / "languages" / "ascii.toml").read_text(encoding="utf-8"))
+    table = asset_table("languages/ascii.toml")
     return str.maketrans(table["signs"])
 
 

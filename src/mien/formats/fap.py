@@ -15,17 +15,16 @@ reference software and of the players that followed it.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
@@ -45,7 +44,7 @@ Ints = NDArray[np.int64]
 @cache
 def fap_table() -> dict[str, Any]:
     """``assets/mpeg4/faps.toml``: parameters, feature points, expressions and visemes."""
-    return tomllib.loads(files("mien").joinpath("assets", "mpeg4", "faps.toml").read_text(encoding="utf-8"))
+    return asset_table("mpeg4/faps.toml")
 
 
 @dataclass(frozen=True, eq=False)

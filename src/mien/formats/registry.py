@@ -1,19 +1,18 @@
 """Which formats there are; the suffix of a file name picks one.
 
-Formats of other packages join by entry points of the group ``mien.formats`` (``docs/formats.md``).
+Formats of other packages join by entry points of the group ``mien.formats`` (``docs/extending.md``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.files import check_writable
+from mien.core.plug_ins import plug_ins
 from mien.face.model import Face
 
 __all__ = ["EXPORTERS", "PLUG_INS", "Exporter", "Progress", "check_output", "exporters", "save", "shows_face"]
@@ -230,38 +229,16 @@ def exporters() -> tuple[Exporter, ...]:
     return EXPORTERS + _plugged_in()
 
 
-@cache
 def _plugged_in() -> tuple[Exporter, ...]:
     taken = {exporter.suffix.lower(): "mien" for exporter in EXPORTERS}
     found = []
-    for entry in sorted(entry_points(group=PLUG_INS), key=lambda entry: entry.name):
-        exporter, package = _loaded(entry), _package(entry)
+    for package, exporter in plug_ins(PLUG_INS, lambda thing: isinstance(thing, Exporter), "an Exporter").values():
         if exporter.suffix.lower() in taken:
             other = taken[exporter.suffix.lower()]
             raise InputError(f"the package {package} brings the format {exporter.suffix}, which {other} has already")
         taken[exporter.suffix.lower()] = package
         found.append(exporter)
     return tuple(found)
-
-
-def _package(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist is not None else entry.value
-
-
-def _loaded(entry: EntryPoint) -> Exporter:
-    try:
-        exporter = entry.load()
-    except Exception as problem:  # whatever somebody else's package raises: it is named, and one line says so
-        raise InputError(
-            f"the package {_package(entry)} brings a format that cannot be loaded ({entry.value}: {problem}): "
-            "update or uninstall it"
-        ) from problem
-    if not isinstance(exporter, Exporter):
-        raise InputError(
-            f"the package {_package(entry)} names {entry.value} as a format: expected an Exporter, "
-            f"got {type(exporter).__name__}"
-        )
-    return exporter
 
 
 def _exporter(path: Path) -> Exporter:

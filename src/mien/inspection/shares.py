@@ -6,10 +6,10 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
+from mien.core.assets import asset
 from mien.core.errors import InputError
 from mien.core.utterance import PAUSE
 from mien.motion.mouth.coarticulation import plan
@@ -59,7 +59,7 @@ def ordinary_english() -> tuple[str, ...]:
     >>> len(ordinary_english()) > 20
     True
     """
-    script = files("mien") / "assets" / "scripts" / "english.txt"
+    script = asset("scripts/english.txt")
     return _sentences(script.read_text(encoding="utf-8"))
 
 

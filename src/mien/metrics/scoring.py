@@ -14,15 +14,18 @@ import numpy as np
 
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
+from mien.core.plug_ins import plug_ins
 from mien.core.timeline import FrameRate
 from mien.corpus.recordings import Corpus
 from mien.metrics import closure, dynamics, head_turns, mouth, sync, upper_face
 from mien.metrics.face_track import FaceTrack
 from mien.metrics.loading import Scorable, face_track_of
 
-__all__ = ["TASKS", "Comparison", "evaluate", "mean_of", "score", "score_folders", "write_csv"]
+__all__ = ["TASKS", "Comparison", "evaluate", "mean_of", "score", "score_folders", "tasks", "write_csv"]
 
-TASKS: Mapping[str, Callable[[FaceTrack, FaceTrack], dict[str, float]]] = {
+Task = Callable[[FaceTrack, FaceTrack], dict[str, float]]
+
+TASKS: Mapping[str, Task] = {
     "mouth": mouth.evaluate,
     "upper face": upper_face.evaluate,
     "head": head_turns.evaluate,
@@ -30,7 +33,7 @@ TASKS: Mapping[str, Callable[[FaceTrack, FaceTrack], dict[str, float]]] = {
     "sync": sync.evaluate,
     "dynamics": dynamics.evaluate,
 }
-"""What is asked of two faces, by the name of the task; add a module with ``evaluate`` here."""
+"""What is asked of two faces, by the name of the task; other packages add theirs (`mien.core.plug_ins`)."""
 _CURVE = ("r", "velocity_r", "spread", "bias", "error", "absolute")
 _SUFFIXES = (".json", ".csv", ".c3d", ".npz")
 _UNITS = {"_mm2": "mm²", "_mm_s": "mm/s", "_deg_s": "°/s", "_deg": "°", "_mm": "mm", "_ms": "ms", "_s": "1/s"}
@@ -103,6 +106,12 @@ class Comparison:
         return "\n".join(lines).rstrip()
 
 
+def tasks() -> Mapping[str, Task]:
+    """Every task that is scored: `TASKS`, then those of other packages by the names of their entry points."""
+    brought = plug_ins("mien.metrics", callable, "a function of two FaceTracks")
+    return {**TASKS, **{name: measure for name, (_, measure) in brought.items()}}
+
+
 def evaluate(reference: FaceTrack, estimate: FaceTrack) -> Comparison:
     """Every task that applies.
 
@@ -113,7 +122,7 @@ def evaluate(reference: FaceTrack, estimate: FaceTrack) -> Comparison:
     """
     scores: dict[str, Mapping[str, float]] = {}
     skipped: dict[str, str] = {}
-    for task, measure in TASKS.items():
+    for task, measure in tasks().items():
         try:
             scores[task] = measure(reference, estimate)
         except InputError as problem:
@@ -174,7 +183,7 @@ def score_folders(
 def mean_of(comparisons: Sequence[Comparison], reference: str, estimate: str) -> Comparison:
     """Means over several comparisons; a figure that is not known of some is the mean of the others."""
     scores: dict[str, dict[str, float]] = {}
-    for task in TASKS:
+    for task in tasks():
         rows = [one.scores[task] for one in comparisons if task in one.scores]
         for name in dict.fromkeys(name for row in rows for name in row):
             values = [row[name] for row in rows if math.isfinite(row.get(name, math.nan))]

@@ -5,14 +5,13 @@ Read from ``assets/evaluate/mouth.toml``, so that a metric never knows a marker 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from mien.capture.layouts import Layout
+from mien.core.assets import asset_table
 from mien.core.errors import InputError
 
 __all__ = ["Sites", "mouth_sites"]
@@ -45,7 +44,7 @@ class Sites:
 
 @cache
 def _table() -> Mapping[str, Any]:
-    return tomllib.loads((files("mien") / "assets" / "evaluate" / "mouth.toml").read_text(encoding="utf-8"))
+    return asset_table("evaluate/mouth.toml")
 
 
 def mouth_sites(layout: Layout, names: Sequence[str]) -> Sites:

@@ -8,16 +8,15 @@ Journal of the Acoustical Society of America 85: 295-312).
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
+from mien.core.assets import asset_table
 from mien.core.audio import Audio
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import MarkerTrack
@@ -83,7 +82,7 @@ def effort_gains() -> EffortGains:
     >>> jaw.tolist(), lips.tolist()
     ([1.0], [1.0])
     """
-    table = tomllib.loads(files("mien").joinpath("assets", "effort", "jaw.toml").read_text(encoding="utf-8"))
+    table = asset_table("effort/jaw.toml")
     return EffortGains(tuple(table["effort"]), tuple(table["jaw"]), tuple(table["lips"]))
 
 

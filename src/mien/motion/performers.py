@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from importlib import resources
+from collections.abc import Callable
 from pathlib import Path
 
+from mien.core.assets import asset, assets_in
 from mien.core.errors import InputError, unknown_name
+from mien.core.plug_ins import plug_ins
 from mien.motion.alive.idle import HandMadeIdle
 from mien.motion.performer import Performer
 from mien.motion.performer_file import LearnedSpeech, load_learned
 
-__all__ = ["FORMER_NAME", "HAND_MADE", "known_performers", "load_learned_performer", "load_performer"]
+__all__ = [
+    "FORMER_NAME",
+    "HAND_MADE",
+    "brought_performers",
+    "known_performers",
+    "load_learned_performer",
+    "load_performer",
+]
 
 HAND_MADE = "hand-made"
 """Name of the performer that was made by hand and needs no file."""
@@ -18,19 +27,20 @@ FORMER_NAME = "authored"
 """What it was called in version 0.1; still understood."""
 
 
-def _folder() -> Path:
-    return Path(str(resources.files("mien") / "assets" / "performers"))
-
-
 def known_performers() -> tuple[str, ...]:
-    """Names of the performers that come with mien.
+    """Names of the performers that come with mien, and of those that other packages bring.
 
     Examples
     --------
     >>> known_performers()
     ('hand-made', 'default', 'mandarin')
     """
-    return (HAND_MADE, *sorted(path.stem for path in _folder().glob("*.mien")))
+    return (HAND_MADE, *assets_in("performers", ".mien"), *brought_performers())
+
+
+def brought_performers() -> dict[str, tuple[str, Callable[[], Performer]]]:
+    """Performers of other packages, whose mouth models are their own."""
+    return plug_ins("mien.performers", callable, "a function that returns a Performer")
 
 
 def load_learned_performer(name: str | Path) -> LearnedSpeech:
@@ -46,12 +56,12 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
     >>> load_learned_performer("default").motion.mouth_.kind
     'channels'
     """
-    learned = [performer for performer in known_performers() if performer != HAND_MADE]
+    learned = list(assets_in("performers", ".mien"))
     if isinstance(name, Path) or str(name).lower().endswith(".mien"):
         return load_learned(name)
     if name not in learned:
         raise unknown_name("learned performer", name, learned)
-    return load_learned(_folder() / f"{name}.mien")
+    return load_learned(asset(f"performers/{name}.mien"))
 
 
 def load_performer(name: str | Path = "default", speech_model: str | None = None) -> Performer:
@@ -84,6 +94,8 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
         return Performer.hand_made()
     if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
         raise unknown_name("performer", str(name), known_performers())
+    if str(name) in brought_performers():
+        return _of_a_package(str(name), speech_model)
     from mien.motion.expression.recorded_expression import expression_of
     from mien.motion.mouth.learned_mouth import LearnedMouth
 
@@ -91,3 +103,13 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
     mouth = LearnedMouth(learned, speech_model=speech_model)
     expression = expression_of(learned.expressions)
     return Performer(learned.name, mouth, expression, HandMadeIdle(), emotion_maps=learned.emotion_maps)
+
+
+def _of_a_package(name: str, speech_model: str | None) -> Performer:
+    package, made = brought_performers()[name]
+    if speech_model is not None:
+        raise InputError(f"the performer {name} of the package {package} has one speech model, its own")
+    performer = made()
+    if not isinstance(performer, Performer):
+        raise InputError(f"the package {package} made no Performer for {name}, but {type(performer).__name__}")
+    return performer

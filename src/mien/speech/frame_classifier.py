@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.errors import InputError
 
 __all__ = ["FrameClassifier", "Layer", "default_classifier"]
@@ -131,5 +131,5 @@ class FrameClassifier:
 @cache
 def default_classifier() -> FrameClassifier:
     """The network that ships."""
-    with (files("mien") / "assets" / "live" / "recogniser.npz").open("rb") as handle:
+    with asset("live/recogniser.npz").open("rb") as handle:
         return FrameClassifier.load(handle)

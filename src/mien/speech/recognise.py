@@ -7,9 +7,7 @@ labels the first is the better one: see docs/tables/alignment.md.
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache
-from importlib.resources import files
 from importlib.util import find_spec
 from itertools import pairwise
 from typing import Literal
@@ -17,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, InputError, MissingPartError, Note
 from mien.core.timeline import Interval, Tier
@@ -146,8 +145,7 @@ def ipa_phones(sign: str) -> tuple[str, ...]:
 
 @cache
 def _ipa_table() -> dict[str, tuple[str, ...]]:
-    text = (files("mien") / "assets" / "phones" / "ipa_to_arpabet.toml").read_text(encoding="utf-8")
-    return {sign: tuple(phones) for sign, phones in tomllib.loads(text)["phones"].items()}
+    return {sign: tuple(phones) for sign, phones in asset_table("phones/ipa_to_arpabet.toml")["phones"].items()}
 
 
 @cache

@@ -12,15 +12,14 @@ The same sound at another level has the same effort, bit for bit or nearly so.
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.audio import Audio
 from mien.speech.voice_features import RATE, STEP, WINDOW, SpeechFrames, analyse
 
@@ -143,8 +142,7 @@ def _swing(frames: SpeechFrames) -> Floats:
 
 @cache
 def _table() -> dict[str, Any]:
-    text = files("mien").joinpath("assets", "effort", "voice.toml").read_text(encoding="utf-8")
-    found: dict[str, Any] = tomllib.loads(text)
+    found: dict[str, Any] = asset_table("effort/voice.toml")
     return found | {name: np.array(found[name]) for name in ("mean", "scale", "weights")}
 
 

@@ -7,14 +7,13 @@ by the usual shares of such a behaviour. What has no place on a talking head (ge
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, unknown_name
 from mien.text.commands import Command, CommandLibrary
 from mien.text.face_parameters import face_parameter
@@ -90,7 +89,7 @@ def _tree(events: Sequence[Event]) -> _Element:
 
 @cache
 def _table() -> dict[str, Any]:
-    return tomllib.loads(files("mien").joinpath("assets", "performance", "bml.toml").read_text(encoding="utf-8"))
+    return asset_table("performance/bml.toml")
 
 
 class _Block:

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
+from mien.core.assets import asset
 from mien.core.errors import InputError, Note, unknown_name
 from mien.text.library_file import CommandDefinition, ListedKey, read_library_file
 from mien.text.parameter_curves import ParameterCurve
@@ -147,7 +147,7 @@ class Translation:
 @cache
 def shipped_library() -> CommandLibrary:
     """The library that comes with mien (``docs/commands.md`` lists it)."""
-    return CommandLibrary(_read_folder(Path(str(files("mien") / "assets" / "commands"))))
+    return CommandLibrary(_read_folder(asset("commands")))
 
 
 def _read_folder(folder: Path) -> list[CommandDefinition]:

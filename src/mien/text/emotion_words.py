@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection
 from functools import cache
 
-from mien.core.poses import read_table
+from mien.core.emotions import emotions
 
 __all__ = ["NOUNS", "emotion_called", "with_long_tags"]
 
@@ -41,7 +41,7 @@ def emotion_called(word: str) -> str:
 
 @cache
 def _short_tag() -> re.Pattern[str]:
-    words = "|".join(sorted({*read_table("emotions.toml")["emotion"], *NOUNS}, key=len, reverse=True))
+    words = "|".join(sorted({*emotions(), *NOUNS}, key=len, reverse=True))
     return re.compile(rf"<(?P<end>/)?(?P<name>{words})(?:[ \t]+(?P<strength>[01]?\.?\d{{1,6}}))?[ \t]*>")
 
 

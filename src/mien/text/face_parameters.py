@@ -8,12 +8,11 @@ parameters too: ``AU12``, and ``AU12L`` or ``AU12R`` for one side (`mien.core.fa
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 from mien.core import channels
+from mien.core.assets import asset_table
 from mien.core.errors import unknown_name
 from mien.core.facs import au_channels, is_unit
 
@@ -48,9 +47,8 @@ class FaceParameter:
 
 @cache
 def _table() -> dict[str, FaceParameter]:
-    text = files("mien").joinpath("assets", "performance", "parameters.toml").read_text(encoding="utf-8")
     found = {}
-    for name, entry in tomllib.loads(text).items():
+    for name, entry in asset_table("performance/parameters.toml").items():
         both = tuple(entry.get("channels", {}).items())
         plus = both + tuple(entry.get("plus", {}).items())
         minus = tuple((channel, -factor) for channel, factor in both) + tuple(entry.get("minus", {}).items())

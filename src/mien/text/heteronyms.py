@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from mien.core.assets import asset_table
 from mien.text.spoken_text import SpokenWord
 
 __all__ = ["with_heteronyms"]
@@ -20,7 +19,7 @@ _REACH = 12
 
 @cache
 def _table() -> dict[str, Any]:
-    return tomllib.loads((files("mien") / "assets" / "text" / "heteronyms.toml").read_text(encoding="utf-8"))
+    return asset_table("text/heteronyms.toml")
 
 
 def with_heteronyms(words: Sequence[SpokenWord]) -> tuple[SpokenWord, ...]:

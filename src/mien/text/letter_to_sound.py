@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import as_file, files
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.errors import InputError
 
 __all__ = ["BITS", "Model", "phones_of_letters"]
@@ -152,8 +152,7 @@ def _pack(gram: Gram) -> int:
 
 @cache
 def _shipped() -> Model:
-    with as_file(files("mien") / "assets" / "phones" / "letter_to_sound.npz") as path:
-        return Model.load(path)
+    return Model.load(asset("phones/letter_to_sound.npz"))
 
 
 def phones_of_letters(letters: str) -> tuple[str, ...]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+
+from mien.core.assets import asset_table
 
 __all__ = ["Phone", "is_vowel", "phone_table"]
 
@@ -38,7 +38,7 @@ def phone_table() -> dict[str, Phone]:
     >>> len(phone_table()), phone_table()["NG"].manner
     (39, 'nasal')
     """
-    table = tomllib.loads((files("mien") / "assets" / "phones" / "arpabet.toml").read_text(encoding="utf-8"))
+    table = asset_table("phones/arpabet.toml")
     return {
         symbol: Phone(symbol, manner, voicing == "voiced")
         for manner, groups in table.items()

@@ -8,18 +8,16 @@ ordinary text such as ``5'10"``.
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib.resources import files
 from typing import Any
+
+from mien.core.assets import asset_table
 
 __all__ = ["cardinal", "decimal", "digits", "english_table", "fraction", "ordinal", "plural", "year"]
 
 
-@cache
 def english_table() -> dict[str, Any]:
     """The table ``assets/text/english.toml``."""
-    return tomllib.loads((files("mien") / "assets" / "text" / "english.toml").read_text(encoding="utf-8"))
+    return asset_table("text/english.toml")
 
 
 _MOST_DIGITS = 18

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from importlib.resources import files
 
+from mien.core.assets import asset_table
 from mien.core.errors import InputError, unknown_name
 from mien.text.commands import Command
 from mien.text.effort_spans import AS_RECORDED, EffortCurve
@@ -118,8 +117,7 @@ def _mark(builder: Builder, given: Given) -> None:
 @cache
 def gaze_targets() -> dict[str, list[float]]:
     """Degrees (yaw, pitch) of targets by name."""
-    text = files("mien").joinpath("assets", "performance", "gaze_targets.toml").read_text(encoding="utf-8")
-    found: dict[str, list[float]] = tomllib.loads(text)
+    found: dict[str, list[float]] = asset_table("performance/gaze_targets.toml")
     return found
 
 

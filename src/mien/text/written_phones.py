@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import tomllib
 import unicodedata
 from functools import cache
-from importlib.resources import files
 
+from mien.core.assets import asset_table
 from mien.core.errors import InputError, unknown_name
 
 __all__ = ["phones_of"]
@@ -25,8 +24,7 @@ def _bare(text: str) -> str:
 @cache
 def _ipa() -> dict[str, tuple[str, ...]]:
     """IPA signs, longest first, with ties and marks left out."""
-    text = files("mien").joinpath("assets", "phones", "ipa_to_arpabet.toml").read_text(encoding="utf-8")
-    found = {_bare(sign): tuple(phones) for sign, phones in tomllib.loads(text)["phones"].items()}
+    found = {_bare(sign): tuple(phones) for sign, phones in asset_table("phones/ipa_to_arpabet.toml")["phones"].items()}
     found |= {"eɪ": ("EY",), "oʊ": ("OW",), "əʊ": ("OW",), "aɪ": ("AY",), "aʊ": ("AW",), "ɔɪ": ("OY",)}
     found |= {
         "tʃ": ("CH",),
@@ -44,7 +42,7 @@ def _ipa() -> dict[str, tuple[str, ...]]:
 
 @cache
 def _symbols() -> frozenset[str]:
-    table = tomllib.loads(files("mien").joinpath("assets", "phones", "arpabet.toml").read_text(encoding="utf-8"))
+    table = asset_table("phones/arpabet.toml")
     return frozenset(symbol for groups in table.values() for symbols in groups.values() for symbol in symbols)
 
 

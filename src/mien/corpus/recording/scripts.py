@@ -6,9 +6,9 @@ A line that begins with ``#`` is a comment; empty lines are passed over. Sentenc
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
+from mien.core.assets import asset
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
 
@@ -62,7 +62,7 @@ def read_script(language: str = "en", path: str | Path | None = None) -> list[Li
     if path is None:
         if language not in LANGUAGES:
             raise unknown_name("language", language, LANGUAGES)
-        file = Path(str(resources.files("mien") / "assets" / "scripts" / f"{LANGUAGES[language]}.txt"))
+        file = asset(f"scripts/{LANGUAGES[language]}.txt")
     else:
         file = Path(path)
     content, _ = read_plain_text(file, "sentences to read")

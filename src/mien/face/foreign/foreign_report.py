@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from dataclasses import asdict, dataclass
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from mien.core.assets import asset_table
 from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.known_face import FEWEST, LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
@@ -193,8 +192,9 @@ class FaceReport:
 
 @cache
 def _costs() -> tuple[MissingChannels, ...]:
-    content = (resources.files("mien") / "assets" / "rigs" / "costs.toml").read_text("utf-8")
-    costs = [MissingChannels(tuple(c["channels"]), c["weight"], c["words"]) for c in tomllib.loads(content)["cost"]]
+    costs = [
+        MissingChannels(tuple(c["channels"]), c["weight"], c["words"]) for c in asset_table("rigs/costs.toml")["cost"]
+    ]
     return tuple(sorted(costs, key=lambda cost: ("speech", "expression", "detail").index(cost.weight)))
 
 

@@ -11,10 +11,10 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from mien.core.assets import asset_table, assets_in
 from mien.core.border import guarded
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError, unknown_name
@@ -127,11 +127,7 @@ def _joined(parts: Sequence[str]) -> str:
 @cache
 def name_tables() -> dict[str, Any]:
     """``assets/rigs/names.toml``."""
-    return tomllib.loads(_folder().joinpath("names.toml").read_text("utf-8"))
-
-
-def _folder() -> Any:
-    return resources.files("mien") / "assets" / "rigs"
+    return asset_table("rigs/names.toml")
 
 
 @cache
@@ -143,8 +139,8 @@ def conventions() -> tuple[Convention, ...]:
     >>> [table.title for table in conventions()][:2]
     ['ARKit', 'FACS action units']
     """
-    folder = Path(str(_folder() / "conventions"))
-    paths = sorted(folder.glob("*.toml"), key=lambda path: (path.stem != "arkit", path.stem != "facs", path.stem))
+    tables = assets_in("rigs/conventions").values()
+    paths = sorted(tables, key=lambda path: (path.stem != "arkit", path.stem != "facs", path.stem))
     return tuple(_convention(path) for path in paths)
 
 

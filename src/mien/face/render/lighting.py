@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
-from importlib import resources
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table, assets_in
 from mien.core.errors import unknown_name
 from mien.face.render.colour import linear_from_srgb
 
@@ -75,8 +74,7 @@ class Lighting:
         """
         if name not in known_lightings():
             raise unknown_name("lighting", name, known_lightings())
-        text = (resources.files("mien") / "assets" / "render" / f"{name}.toml").read_text("utf-8")
-        return cls._from_table(tomllib.loads(text))
+        return cls._from_table(asset_table(f"render/{name}.toml"))
 
     @classmethod
     def _from_table(cls, table: dict[str, Any]) -> Lighting:
@@ -121,6 +119,4 @@ def known_lightings() -> tuple[str, ...]:
     >>> known_lightings()
     ('portrait', 'dramatic', 'even', 'soft')
     """
-    folder = resources.files("mien") / "assets" / "render"
-    names = sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
-    return tuple(sorted(names, key=lambda name: name != "portrait"))
+    return tuple(sorted(assets_in("render"), key=lambda name: name != "portrait"))

@@ -11,7 +11,6 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Protocol
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
+from mien.core.assets import asset
 from mien.core.audio import Audio
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
@@ -123,7 +123,7 @@ class LearnedHead:
 @cache
 def default_head() -> LearnedHead:
     """The one that comes with mien, from `tools/learn_head.py`."""
-    content = files("mien").joinpath("assets", "performance", "head.npz").read_bytes()
+    content = asset("performance/head.npz").read_bytes()
     with np.load(io.BytesIO(content), allow_pickle=False) as kept:
         head = LearnedHead(float(kept["ridge"]))
         head.weights_, head.mean_, head.size_ = (kept[name].astype(np.float64) for name in ("weights", "mean", "size"))

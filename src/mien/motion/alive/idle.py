@@ -33,6 +33,7 @@ Floats = NDArray[np.float64]
 
 BLINKS_PER_MINUTE = 20.0
 BLINK_CLOSE, BLINK_SHUT, BLINK_OPEN = 0.10, 0.05, 0.21  # seconds
+MOST_BLINKS = 60  # a minute: a blink with its rest takes a second
 PAUSE_PULL = 0.6  # seconds: a blink this near to the start of a pause moves there
 HEAD_SWAY = {"headYaw": 1.6, "headPitch": 1.1, "headRoll": 0.8}  # degrees, standard deviation
 HEAD_TIME = 1.1  # seconds over which the head drifts
@@ -71,26 +72,35 @@ class HandMadeIdle:
 
     @classmethod
     def of(cls, signs: str) -> HandMadeIdle:
-        """From names of `SIGNS` with commas between, ``"all"`` or ``"off"``.
+        """From names of `SIGNS` with commas between, ``"all"`` or ``"off"``; ``blinks=12`` says how many a minute.
 
         Raises
         ------
         InputError
-            If a name is none of them.
+            If a name is none of them, or a rate is no number from 0 to 60.
 
         Examples
         --------
         >>> idle = HandMadeIdle.of("gaze,sway")
         >>> idle.blinks_per_minute, idle.gaze, idle.sway
         (0.0, True, True)
+        >>> HandMadeIdle.of("all,blinks=8").blinks_per_minute
+        8.0
         """
-        asked = {sign.strip().lower() for sign in signs.split(",") if sign.strip()}
-        if asked in ({"all"}, {"off"}):
-            asked = set(SIGNS) if asked == {"all"} else set()
+        given = [sign.strip().lower().partition("=") for sign in signs.split(",") if sign.strip()]
+        asked = {name for name, _, _ in given}
         for sign in sorted(asked):
-            if sign not in SIGNS:
+            if sign not in (*SIGNS, "all", "off"):
                 raise unknown_name("sign of life", sign, [*SIGNS, "all", "off"])
-        return cls(BLINKS_PER_MINUTE if "blinks" in asked else 0.0, "gaze" in asked, "sway" in asked, "head" in asked)
+        if "off" in asked and len(asked) > 1:
+            raise InputError(f"signs of life: 'off' stands alone, not in {signs!r}")
+        if "all" in asked:
+            asked = {*asked, *SIGNS}
+        rate = BLINKS_PER_MINUTE if "blinks" in asked else 0.0
+        for name, equals, value in given:
+            if equals:
+                rate = _rate_of(name, value)
+        return cls(rate, "gaze" in asked, "sway" in asked, "head" in asked)
 
     def perform(
         self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, score: Score = UNDIRECTED
@@ -151,3 +161,14 @@ class HandMadeIdle:
             opening = np.clip((times - moment - max(longer, 1.0) * BLINK_SHUT) / (longer * BLINK_OPEN), 0, 1)
             shape = np.sin(np.pi / 2 * closing) ** 2 * np.cos(np.pi / 2 * opening) ** 2
             values[:, lids] = np.maximum(values[:, lids], shape[:, None])
+
+
+def _rate_of(name: str, value: str) -> float:
+    """Blinks a minute as they were asked for; no other sign of life has a number."""
+    try:
+        rate = float(value)
+    except ValueError:
+        rate = -1.0
+    if name != "blinks" or not 0 <= rate <= MOST_BLINKS:
+        raise InputError(f"signs of life: only blinks take a number, 0 to {MOST_BLINKS} a minute, not {name}={value}")
+    return rate

@@ -1,6 +1,6 @@
 """How what is felt changes glances, blinks and the head, over time.
 
-The figures stand in ``assets/performance/manner.toml``, each with its source or as hand-made. Emotions mix by the
+The figures stand in the emotions' tables (``[manner]``), each with its source or as hand-made. Emotions mix by the
 weights that the face mixes them by (`weights_of`): what the face shows half, the eyes do half.
 """
 
@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.core.poses import read_table
+from mien.core.emotions import emotions
 from mien.motion.expression.expression import NEUTRAL, weights_of
 from mien.text.score import Score
 
@@ -24,7 +24,7 @@ _STEP = 0.05  # seconds between two of the moments at which figures are kept
 
 
 class Manner:
-    """Figures of ``manner.toml`` over time.
+    """Figures of the emotions' tables over time.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ class Manner:
 
 @cache
 def _figures(emotion: str) -> dict[str, float]:
-    table = read_table("manner.toml")
-    return {name: float(value) for name, value in (table[NEUTRAL] | table.get(emotion, {})).items()}
+    usual, felt = emotions()[NEUTRAL]["manner"], emotions().get(emotion, {}).get("manner", {})
+    return {name: float(value) for name, value in (usual | felt).items()}
 
 
 def steady_head(angles: Floats, fps: float, most: float = HEAD_SPEED) -> Floats:

@@ -1,6 +1,6 @@
 """The expressive repertoire that needs no recordings: emotions performed in action units by a table made by hand.
 
-Hand-made, not learned (``assets/performance/emotions.toml``). Each emotion is a performance of a minute: units are
+Hand-made, not learned (``assets/performance/emotions``). Each emotion is a performance of a minute: units are
 held, wander, swell in episodes with onset, hold and offset, and are never quite the same on both sides. The
 performance goes through the same `ExpressionSpace` as a recording would: as displacements of the markers on the face,
 with the channels carried beside them.
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from mien.capture.layouts import load_layout
 from mien.core import channels
 from mien.core.derived import read_derived
+from mien.core.emotions import emotion_sources, emotion_table, emotions
 from mien.core.facs import action_units, channels_of_units, unit_track
-from mien.core.poses import pose_vector, read_table
+from mien.core.poses import pose_vector
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.face.library import load_face
@@ -37,18 +38,16 @@ __all__ = [
     "hand_made_space",
     "marker_basis",
     "sealed_share",
+    "sources",
     "space_of",
     "spoken_share",
     "without_eyelids",
 ]
 
 Floats = NDArray[np.float64]
-TABLE = "emotions.toml"
 LAYOUT = "face-102"
 """Markers on which the space of the hand-made repertoire is learned: a set like that of Deng et al. 2006."""
 DERIVED = "expression_axes"
-SOURCES = ("performance/emotions.toml", "facs/units.toml", f"markers/{LAYOUT}.toml", "faces/default.npz")
-"""Files of ``assets`` that the space is worked out from."""
 KNEE = 0.75
 SETTLED = 2.0  # seconds at the start of a performance that are left out: nobody is caught in the middle of an onset
 
@@ -61,7 +60,7 @@ def hand_made_expression() -> Expression:
     >>> hand_made_expression().names
     ('afraid', 'angry', 'contempt', 'disgusted', 'frustrated', 'happy', 'neutral', 'sad', 'surprised')
     """
-    table = read_table(TABLE)["emotion"]
+    table = emotions()
     efforts = {name: float(entry["effort"]) for name, entry in table.items() if "effort" in entry}
     return Expression(tuple(table), space_of, sealed_share(), frozenset(table), efforts, spoken_share())
 
@@ -75,7 +74,7 @@ def spoken_share() -> dict[str, Floats]:
     True
     """
     found = {}
-    for name, entry in read_table(TABLE)["emotion"].items():
+    for name, entry in emotions().items():
         row = np.zeros(len(channels.ALL))
         for channel, weight in channels_of_units(entry.get("spoken", {})).items():
             row[channels.ALL.index(channel)] = weight
@@ -86,7 +85,7 @@ def spoken_share() -> dict[str, Floats]:
 def sealed_share() -> Floats:
     """Share of each channel that remains while the lips must be shut, shape (channels,)."""
     share = np.ones(len(channels.ALL))
-    for name, left in read_table(TABLE)["sealed_share"].items():
+    for name, left in emotion_table()["sealed_share"].items():
         share[channels.ALL.index(name)] = left
     return share
 
@@ -107,7 +106,12 @@ def space_of(emotion: str) -> ExpressionSpace:
 
 @cache
 def _axes() -> dict[str, Floats]:
-    return read_derived(DERIVED, SOURCES) or derived_axes()
+    return read_derived(DERIVED, sources()) or derived_axes()
+
+
+def sources() -> tuple[str, ...]:
+    """Files of ``assets`` that the space is worked out from."""
+    return (*emotion_sources(), "facs/units.toml", f"markers/{LAYOUT}.toml", "faces/default.npz")
 
 
 def derived_axes() -> dict[str, Floats]:
@@ -124,7 +128,7 @@ def hand_made_sources() -> dict[str, list[ExpressiveMotion]]:
     """All performances as expressive motion: displacements of markers on the default face, channels carried beside."""
     basis = marker_basis(load_face("default"), LAYOUT, without_eyelids(LAYOUT))
     found = {}
-    for name in read_table(TABLE)["emotion"]:
+    for name in emotions():
         performed = hand_made_performance(name)
         found[name] = [ExpressiveMotion(performed @ basis, performed)]
     return found
@@ -132,8 +136,7 @@ def hand_made_sources() -> dict[str, list[ExpressiveMotion]]:
 
 def hand_made_performance(emotion: str) -> Floats:
     """One emotion performed for a minute at `RATE`, shape (samples, channels); the same bits at every call."""
-    table = read_table(TABLE)
-    facts, entry = table["performance"], table["emotion"][emotion]
+    facts, entry = emotion_table()["performance"], emotions()[emotion]
     # The seed goes by the name, so that an emotion added to the table leaves the others as they are.
     random = np.random.default_rng([facts["seed"], *emotion.encode()])
     times = np.arange(round((facts["seconds"] + SETTLED) * RATE)) / RATE
@@ -144,7 +147,7 @@ def hand_made_performance(emotion: str) -> Floats:
     values = unit_track(
         ChannelTrack(tuple(units), np.stack(list(units.values()), axis=1), FrameRate.of(RATE))
     ).values.copy()
-    head = pose_vector(entry["head"], f"{TABLE}, emotion {emotion}")
+    head = pose_vector(entry["head"], f"the emotion {emotion}")
     turning = [channels.ALL.index(name) for name in channels.HEAD]
     values[:, turning] += head[turning] * (1 + 0.2 * _drifts(times, 3, facts["wander_time"]["head"], random))
     return np.asarray(values[round(SETTLED * RATE) :])
@@ -204,7 +207,7 @@ def without_eyelids(layout: str) -> tuple[str, ...]:
     4
     """
     found = load_layout(layout)
-    lids = {found.landmarks.get(number) for number in read_table(TABLE)["performance"]["eyelids"]["landmarks"]}
+    lids = {found.landmarks.get(number) for number in emotion_table()["performance"]["eyelids"]["landmarks"]}
     return tuple(name for name in found.markers if name not in lids)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
-from mien.core.poses import read_table
+from mien.core.emotions import emotion_table
 from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.stressed_vowels import stressed_words
@@ -66,7 +66,7 @@ def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
     >>> float(line.speaking[0]), bool(line.speaking[40] > 0.4), float(line.strength[0].round(2))
     (0.0, True, 0.85)
     """
-    table = read_table("emotions.toml")["line"]
+    table = emotion_table()["line"]
     times = rate.times(len(mouth))
     heard = _heard(utterance, times, table["settle"])
     strength = table["pause"] + (1 - table["pause"]) * _heard(utterance, times, table["ebb"])

@@ -5,14 +5,13 @@ A part is a stretch of time with one articulation: a phone, or one half of a dip
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.errors import unknown_name
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
@@ -75,7 +74,7 @@ def articulation_table() -> ArticulationTable:
     >>> [table.symbols[part] for part in table.parts["AY"]]
     ['AY.1', 'AY.2']
     """
-    content = tomllib.loads((files("mien") / "assets" / "phones" / "articulation.toml").read_text(encoding="utf-8"))
+    content = asset_table("phones/articulation.toml")
     features = tuple(content["features"])
     symbols: list[str] = []
     rows: list[list[float]] = []

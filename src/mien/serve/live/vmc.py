@@ -7,14 +7,13 @@ avatar, y up, z forward, metres; turns are quaternions x, y, z, w.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset_table
 from mien.core.channels import ARKIT, HEAD
 from mien.core.errors import InputError, unknown_name
 from mien.face.posing import head_rotation
@@ -69,9 +68,8 @@ class VmcEncoder:
 
 @cache
 def _shape_table() -> dict[str, dict[str, dict[str, float]]]:
-    text = (files("mien") / "assets" / "live" / "vmc.toml").read_text(encoding="utf-8")
     exact = {name[0].upper() + name[1:]: {name: 1.0} for name in ARKIT}
-    return {"arkit": exact, **tomllib.loads(text)}
+    return {"arkit": exact, **asset_table("live/vmc.toml")}
 
 
 def _unity_quaternion(yaw: float, pitch: float, roll: float) -> NDArray[np.float64]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import mimetypes
 from collections.abc import Iterator
-from importlib import resources
-from importlib.resources.abc import Traversable
+from pathlib import Path
+
+from mien.core.assets import asset
 
 __all__ = ["MISSING", "load_page", "media_type"]
 
@@ -48,11 +49,11 @@ def media_type(name: str) -> str:
 
 def load_page() -> dict[str, bytes]:
     """Every file of the built page by its path under the root, such as ``"assets/index-1a2b.js"``; empty if missing."""
-    root = resources.files("mien") / "assets" / "studio"
+    root = asset("studio")
     return dict(_files(root, "")) if root.is_dir() else {}
 
 
-def _files(folder: Traversable, path: str) -> Iterator[tuple[str, bytes]]:
+def _files(folder: Path, path: str) -> Iterator[tuple[str, bytes]]:
     for item in folder.iterdir():
         if item.is_dir():
             yield from _files(item, f"{path}{item.name}/")

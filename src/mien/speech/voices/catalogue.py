@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from mien.core.errors import InputError, MissingPartError, unknown_name
+from mien.core.plug_ins import plug_ins
 from mien.speech.voices.espeak import Espeak, EspeakLanguage, espeak_languages
 from mien.speech.voices.festival import festival_voices
 from mien.speech.voices.kokoro import Kokoro
@@ -27,7 +28,8 @@ def catalogue() -> tuple[Voice, ...]:
     'kokoro-heart'
     """
     kokoro = tuple(Kokoro(speaker) for speaker in ("heart", "bella", "michael", "fenrir"))
-    return (*kokoro, *festival_voices(), Espeak(), Piper(), *espeak_languages())
+    brought = plug_ins("mien.voices", lambda thing: isinstance(thing, Voice), "a Voice").values()
+    return (*kokoro, *festival_voices(), Espeak(), Piper(), *espeak_languages(), *(voice for _, voice in brought))
 
 
 def get_voice(name: str | None = None, language: Language | None = None) -> Voice:

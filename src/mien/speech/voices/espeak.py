@@ -6,16 +6,15 @@ input and output.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mien.core.assets import asset_table
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
 from mien.speech.voices.sentences import Sentence, Word
@@ -176,4 +175,4 @@ def words_in_time(
 
 @cache
 def _settings() -> dict[str, Any]:
-    return tomllib.loads((files("mien") / "assets" / "voices" / "espeak.toml").read_text(encoding="utf-8"))
+    return asset_table("voices/espeak.toml")

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-import tomllib
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import soundfile
 
+from mien.core.assets import asset, asset_table
 from mien.core.errors import InputError, MissingPartError, Note
 from mien.core.external_program import run_program
 from mien.core.timeline import Interval
@@ -79,7 +78,7 @@ class Festival(Voice):
         return join_pieces(pieces, sounds[0][1])
 
     def _script(self, sentences: tuple[Sentence, ...], waves: list[Path]) -> bytes:
-        functions = (files("mien") / "assets" / "voices" / "festival.scm").read_text(encoding="ascii")
+        functions = asset("voices/festival.scm").read_text(encoding="ascii")
         calls = [
             f"(speak-sentence {scheme_string(self._written(sentence))} {scheme_string(str(wave))})"
             for sentence, wave in zip(sentences, waves, strict=True)
@@ -167,4 +166,4 @@ def _installed_voices() -> frozenset[str]:
 
 @cache
 def _settings() -> dict[str, Any]:
-    return tomllib.loads((files("mien") / "assets" / "voices" / "festival.toml").read_text(encoding="utf-8"))
+    return asset_table("voices/festival.toml")

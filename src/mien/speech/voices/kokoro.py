@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.assets import asset
 from mien.core.progress import tell
 from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts
 from mien.speech.voices.sentences import Sentence, shorter_than
@@ -98,7 +99,7 @@ class Kokoro(Voice):
 
 @cache
 def _styles() -> dict[str, NDArray[np.float16]]:
-    with (files("mien") / "assets/voices/kokoro_styles.npz").open("rb") as handle, np.load(handle) as styles:
+    with asset("voices/kokoro_styles.npz").open("rb") as handle, np.load(handle) as styles:
         return {speaker: styles[speaker] for speaker in styles.files}
 
 

@@ -6,13 +6,12 @@ written in them. The same table shape serves every network, see ``assets/voices/
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from mien.core.assets import asset_table
 from mien.core.timeline import Interval
 from mien.speech.voices.sentences import Sentence, Word
 from mien.speech.voices.word_stress import stress_of
@@ -33,7 +32,7 @@ class Letter:
 @cache
 def letter_table(name: str) -> dict[str, Any]:
     """The table of a network, ``assets/voices/NAME.toml``."""
-    return tomllib.loads((files("mien") / "assets" / "voices" / f"{name}.toml").read_text(encoding="utf-8"))
+    return asset_table(f"voices/{name}.toml")
 
 
 def letters_of(sentence: Sentence, table: dict[str, Any]) -> list[Letter]:

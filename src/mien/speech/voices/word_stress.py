@@ -11,8 +11,8 @@ from __future__ import annotations
 import gzip
 from collections import Counter
 from functools import cache
-from importlib.resources import files
 
+from mien.core.assets import asset
 from mien.text.phones import is_vowel
 
 __all__ = ["stress_of"]
@@ -46,7 +46,7 @@ def stress_of(word: str, phones: tuple[str, ...]) -> str:
 @cache
 def _text() -> bytes:
     """A line for each word, each with a line feed before it."""
-    return b"\n" + gzip.decompress((files("mien") / "assets/voices/stress.txt.gz").read_bytes())
+    return b"\n" + gzip.decompress(asset("voices/stress.txt.gz").read_bytes())
 
 
 @cache

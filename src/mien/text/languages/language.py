@@ -7,10 +7,10 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from mien.core.assets import asset, asset_table, assets_in
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
@@ -121,8 +121,7 @@ def known_languages() -> tuple[str, ...]:
     >>> known_languages()
     ('de', 'es', 'fi')
     """
-    folder = Path(str(files("mien") / "assets" / "languages"))
-    return tuple(sorted(path.stem for path in folder.glob("*.toml") if path.stem not in _COMMON))
+    return tuple(tag for tag in assets_in("languages") if tag not in _COMMON)
 
 
 def find_language(asked: str | Path | None) -> Language | None:
@@ -157,7 +156,7 @@ def find_language(asked: str | Path | None) -> Language | None:
 
 @cache
 def _shipped(tag: str) -> Language:
-    return _load(Path(str(files("mien") / "assets" / "languages" / f"{tag}.toml")))
+    return _load(asset(f"languages/{tag}.toml"))
 
 
 @guarded("a phone map of a language")
@@ -176,14 +175,16 @@ def _load(path: Path) -> Language:
         raise InputError(f'the language {path}: reader = "espeak" needs espeak = "VOICE" (espeak-ng --voices)')
     if table["reader"] == "letters" and not table.get("letters"):
         raise InputError(f'the language {path}: reader = "letters" needs a section [letters]')
+    for letter, phones in table.get("letters", {}).items():
+        if not (isinstance(phones, list) and phones and all(isinstance(phone, str) for phone in phones)):
+            raise InputError(f'the language {path}, letter {letter!r}: expected a list of phones such as ["n"]')
     segments = {sign: _segments(entry, path, sign) for sign, entry in (_common() | table.get("phones", {})).items()}
     return Language(table["tag"], table["name"], table["reader"], table.get("espeak", ""), table, segments)
 
 
 @cache
 def _common() -> dict[str, Any]:
-    text = (files("mien") / "assets" / "languages" / "ipa.toml").read_text(encoding="utf-8")
-    return dict(tomllib.loads(text)["phones"])
+    return dict(asset_table("languages/ipa.toml")["phones"])
 
 
 def _segments(entry: Any, path: Path, sign: str) -> tuple[Segment, ...]:

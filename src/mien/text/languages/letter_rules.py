@@ -122,21 +122,23 @@ def _pieces(token: Token, language: Language, dropped: list[str]) -> list[tuple[
 
 
 def _said(match: re.Match[str], text: str, language: Language) -> str:
-    table: dict[str, Any] = language.table["numbers"]
+    if match["word"]:
+        return _spelled_out(match["word"], language) or match["word"]
+    if match["sign"]:
+        return str(language.table.get("signs", {}).get(match["sign"], ""))
+    table: dict[str, Any] = language.table.get("numbers", {})
+    if not table:
+        raise InputError(f"no section [numbers] in the table of {language.name}: write {match.group()!r} in words")
     if match["range"]:
         first, last = re.split(r"[-–—]", match["range"])
         return f"{cardinal(int(first), table)} {cardinal(int(last), table)}"
     if match["clock"]:
         hours, minutes = re.split(r"[.:]", match["clock"])
         return cardinal(int(hours), table) + (f" {cardinal(int(minutes), table)}" if int(minutes) else "")
-    if match["number"]:
-        bare = re.sub(r"[\s\u00a0\u202f]", "", match["number"]).replace("−", "-")
-        if bare.startswith("-") and match.start():  # a hyphen inside a word
-            bare = bare[1:]
-        return ordinal(int(bare), table) if match["stop"] and bare.isdecimal() else decimal(bare, table)
-    if match["word"]:
-        return _spelled_out(match["word"], language) or match["word"]
-    return str(language.table.get("signs", {}).get(match["sign"], ""))
+    bare = re.sub(r"[\s\u00a0\u202f]", "", match["number"]).replace("−", "-")
+    if bare.startswith("-") and match.start():  # a hyphen inside a word
+        bare = bare[1:]
+    return ordinal(int(bare), table) if match["stop"] and bare.isdecimal() else decimal(bare, table)
 
 
 def _spelled_out(word: str, language: Language) -> str:
