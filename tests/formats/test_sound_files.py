@@ -124,7 +124,7 @@ def test_a_wav_from_a_pipe_with_unknown_length_is_read(tmp_path: Path) -> None:
 def test_float_sound_above_full_scale_is_turned_down_with_a_note(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "a.wav", 3 * tone(), 16000, subtype="FLOAT")
     audio, notes = read_audio(tmp_path / "a.wav")
-    assert "1.20 of full scale" in notes[0].message
+    assert "1.2 of full scale" in notes[0].message
     assert np.abs(audio.samples - tone()[:, 0] * 3 / 1.2).max() < 1e-3
 
 
@@ -165,7 +165,7 @@ def test_unrelated_channels_are_averaged(tmp_path: Path) -> None:
 def test_a_constant_offset_is_taken_out(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "a.wav", tone() + 0.3, 16000)
     audio, notes = read_audio(tmp_path / "a.wav")
-    assert "offset of +0.30" in notes[0].message
+    assert "offset of +0.3 " in notes[0].message
     assert np.abs(audio.samples - tone()[:, 0]).max() < 1e-3
 
 
@@ -225,3 +225,48 @@ def test_long_sound_is_read_in_blocks(tmp_path: Path, monkeypatch: pytest.Monkey
     audio, _ = read_audio(tmp_path / "a.wav")
     assert len(audio) == 16000
     assert np.abs(audio.samples - tone()[:, 0]).max() < 1e-3
+
+
+def test_channels_that_cancel_at_times_or_under_an_offset_are_not_averaged(tmp_path: Path) -> None:
+    one = tone()[:, 0]
+    offset = np.stack([one + 0.2, 0.2 - one], axis=1)
+    half = np.concatenate([np.stack([one, one], axis=1), np.stack([one, -one], axis=1)])
+    for sound in (offset, half):
+        soundfile.write(tmp_path / "a.wav", sound, 16000)
+        audio, notes = read_audio(tmp_path / "a.wav")
+        assert "cancel" in notes[0].message
+        assert np.abs(audio.samples[-16000:]).max() == pytest.approx(0.4, abs=0.01)
+
+
+def test_clipping_is_seen_at_any_level_and_under_an_offset(tmp_path: Path) -> None:
+    speech = np.cumsum(np.random.default_rng(3).normal(size=16000))
+    speech = np.clip(speech / speech.std(), -0.7, 0.7)
+    for sound, clipped in (
+        (speech, True),
+        (speech * 0.9 + 0.2, True),
+        (tone()[:, 0], False),
+        (np.ones(16000) / 2, False),
+    ):
+        soundfile.write(tmp_path / "a.wav", sound, 16000)
+        assert any("clipped" in note.message for note in read_audio(tmp_path / "a.wav")[1]) == clipped
+
+
+def test_a_sample_beyond_all_measure_is_damage(tmp_path: Path) -> None:
+    sound = tone()[:, 0]
+    sound[100] = 1e300
+    soundfile.write(tmp_path / "a.wav", sound, 16000, subtype="DOUBLE")
+    with pytest.raises(InputError, match=r"1e\+300 times full scale"):
+        read_audio(tmp_path / "a.wav")
+
+
+def test_a_header_may_be_wrong_by_a_tenth_not_by_half(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", tone(3.0, 8000), 8000, subtype="GSM610")
+    content = (tmp_path / "a.wav").read_bytes()
+    at = content.index(b"data") + 4
+    held = len(content) - at - 4
+    for promised in (held + held // 12, 0x7FFFF024, 0x80000005):
+        (tmp_path / "b.wav").write_bytes(content[:at] + struct.pack("<I", promised) + content[at + 4 :])
+        assert read_audio(tmp_path / "b.wav")[0].duration == pytest.approx(3.0, abs=0.1)
+    (tmp_path / "b.wav").write_bytes(content[: at + held // 2])
+    with pytest.raises(InputError, match="cut short"):
+        read_audio(tmp_path / "b.wav")

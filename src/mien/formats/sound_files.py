@@ -33,8 +33,12 @@ _LONG = 1800  # seconds from which on 32 bits a sample are kept until the end, n
 _OFFSET = 0.02  # of full scale; less is what converters add
 _FULL = 1.0 - 2.0**-14
 _CLIPPED = 0.002  # share of the samples
-_UNKNOWN_LENGTHS = (0, 0xFFFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF - 36)  # written by a pipe that never ended
-_FEW_BYTES = 4096  # a header may be wrong by as much
+_LOUDEST = 2.0**33  # of full scale: whole numbers of 32 bits that are called floats are below it
+_STRETCH = 0.05  # seconds over which channels are compared
+_CANCELLED = 0.05  # share of a sound's power
+_UNKNOWN_LENGTH = 0x7FFF0000  # bytes; 0, or this and more, is written by programs that did not know
+_FEW_BYTES = 4096  # a header may be wrong by as much, or by 10 %, whichever is less
+_FEWEST_BYTES_PER_SECOND = 75  # of any codec of speech; a header that promises less than this is wrong
 
 Samples = NDArray[Any]
 
@@ -74,27 +78,42 @@ class _Sum:
     rate, channels, count : int
         ``count`` is of samples.
     power : ndarray, shape (channels,)
-        Sums of squares.
+        Sums of squares, a constant offset apart.
+    lost : float
+        Power of the stretches in which the channels cancel in their average: less is left of them than unrelated
+        sounds would leave. Summed over the channels.
     """
 
     rate: int
     channels: int
     count: int
     power: Samples
+    lost: float = 0.0
 
-    def cancels(self, mono: Samples) -> bool:
-        """Whether the channels cancel in their average: less is left of them than unrelated sounds would leave."""
-        if self.channels < 2 or not self.power.any():
-            return False
-        left = sum(float(np.square(mono[i : i + _BLOCK], dtype=np.float64).sum()) for i in range(0, len(mono), _BLOCK))
-        return left < 0.25 * float(self.power.mean()) / self.channels
+    def take(self, block: Samples) -> None:
+        """Take in one more block, shape (n, channels)."""
+        self.count += len(block)
+        size = min(len(block), max(1, round(_STRETCH * self.rate)))
+        whole = len(block) // size * size
+        for part in (block[:whole].reshape(-1, size, self.channels), block[None, whole:]):
+            if not part.size:
+                continue
+            still = part - part.mean(axis=1, keepdims=True)
+            power = np.square(still).sum(axis=1)
+            left = np.square(still.mean(axis=2)).sum(axis=1)
+            self.power += power.sum(axis=0)
+            self.lost += float(power[left < 0.25 * power.mean(axis=1) / self.channels].sum())
+
+    def cancels(self) -> bool:
+        """Whether the channels cancel in their average, all the time or at times."""
+        return self.channels > 1 and self.lost > _CANCELLED * float(self.power.sum())
 
 
 def _read(path: Path) -> tuple[Audio, tuple[Note, ...]]:
     notes: list[Note] = []
     mono, about = _mixed(path, None, notes)
     rate = about.rate
-    if about.cancels(mono):
+    if about.cancels():
         loudest_channel = int(np.argmax(about.power))
         notes.append(
             Note(
@@ -120,19 +139,29 @@ def _read(path: Path) -> tuple[Audio, tuple[Note, ...]]:
 
 def _within_scale(mono: Samples, path: Path, notes: list[Note]) -> Samples:
     """Without a constant offset, and no louder than full scale."""
+    clipped = _clipped(mono)
+    if clipped > _CLIPPED:
+        notes.append(Note("warning", f"{path.name} is clipped ({clipped:.1%} of it cut flat): recorded too loud"))
     offset = float(mono.mean(dtype=np.float64))
     if abs(offset) > _OFFSET:
-        notes.append(Note("note", f"{path.name} has a constant offset of {offset:+.2f} of full scale: taken out"))
+        notes.append(Note("note", f"{path.name} has a constant offset of {offset:+.2g} of full scale: taken out"))
         mono = mono - mono.dtype.type(offset)
     loudest = float(max(mono.max(), -mono.min()))
     if loudest > 1.0:
-        notes.append(Note("note", f"{path.name} peaks at {loudest:.2f} of full scale: turned down to fit"))
+        if clipped <= _CLIPPED:
+            notes.append(Note("note", f"{path.name} peaks at {loudest:.3g} of full scale: turned down to fit"))
         mono = mono / mono.dtype.type(loudest)
-        return mono
-    clipped = float((np.abs(mono) >= _FULL).mean())
-    if clipped > _CLIPPED:
-        notes.append(Note("warning", f"{path.name} is clipped ({clipped:.1%} of it at full scale): recorded too loud"))
     return mono
+
+
+def _clipped(mono: Samples) -> float:
+    """The share of samples that lie at the very top or bottom, three and more in a row."""
+    count, top, bottom = 0, float(mono.max()), float(mono.min())
+    for peak in (top, bottom) if top - bottom > _OFFSET else ():
+        for start in range(0, len(mono), _BLOCK):
+            flat = np.abs(mono[start : start + _BLOCK] - peak) <= abs(peak) * (1.0 - _FULL)
+            count += int((flat[:-2] & flat[1:-1] & flat[2:]).sum())
+    return count / len(mono)
 
 
 def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples, _Sum]:
@@ -148,8 +177,9 @@ def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples,
         if not np.isfinite(block).all():
             bad = about.count + int(np.argmax(~np.isfinite(block).all(axis=1)))
             raise InputError(f"{path}: sample {bad} ({bad / rate:.3f} s) is not a finite number: is the file damaged?")
-        about.count += len(block)
-        about.power += np.square(block).sum(axis=0)
+        if (loudest := float(np.abs(block).max(initial=0.0))) > _LOUDEST:
+            raise InputError(f"{path}: a sample is {loudest:.2g} times full scale: is the file damaged?")
+        about.take(block)
         check_size("hours", about.count / rate / 3600, path)
         one = block.mean(axis=1) if channel is None else block[:, channel]
         parts.append(one.astype(np.float64 if about.count <= _LONG * rate else np.float32))
@@ -209,7 +239,7 @@ def _blocks_of_libsndfile(sound: Any, path: Path) -> Iterator[tuple[Samples, int
     while len(block := sound.read(max(1, _BLOCK // sound.channels), dtype="float64", always_2d=True)):
         got += len(block)
         yield block, rate
-    if known and got < expected:
+    if known and got < expected - max(rate // 10, expected // 100):  # MP3 in WAV promises a few samples too many
         raise _cut_short(path, got / rate, expected / rate)
 
 
@@ -247,9 +277,9 @@ def _checked_wav(path: Path, notes: list[Note]) -> Path | io.BytesIO:
 
 
 def _refuse_cut(path: Path, promised: int, held: int, notes: list[Note]) -> None:
-    if promised <= held or promised in _UNKNOWN_LENGTHS:
+    if promised <= held or promised == 0 or promised >= _UNKNOWN_LENGTH:
         return
-    if held <= 0 or promised - held > max(_FEW_BYTES, held // 100):
+    if held <= 0 or promised - held > max(min(_FEW_BYTES, held // 10), held // 100):
         raise InputError(
             f"{path}: the file is cut short: {promised} bytes of sound promised, {held} there; copy it again"
         )
@@ -280,7 +310,7 @@ def _blocks_of_ffmpeg(path: Path, notes: list[Note]) -> Iterator[tuple[Samples, 
             count = len(container.streams.audio)
             notes.append(Note("note", f"{path.name} has {count} sound tracks: the first is used"))
         stream = container.streams.audio[0]
-        promised = _promised_seconds(stream)
+        promised = _promised_seconds(stream, path.stat().st_size)
         check_size("hours", (promised or 0.0) / 3600, path)
         resampler = None
         try:
@@ -312,6 +342,8 @@ def _with_end(frames: Iterable[Frame]) -> Iterator[Frame | None]:
     yield None
 
 
-def _promised_seconds(stream: object) -> float | None:
+def _promised_seconds(stream: object, size: int) -> float | None:
+    """How long a sound track says it is; None if it says nothing, or more than a file of so many bytes can hold."""
     duration, base = getattr(stream, "duration", None), getattr(stream, "time_base", None)
-    return float(duration * base) if duration and base else None
+    seconds = float(duration * base) if duration and base else None
+    return seconds if seconds and size > _FEWEST_BYTES_PER_SECOND * seconds else None
