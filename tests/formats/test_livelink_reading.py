@@ -98,6 +98,13 @@ def test_percent_and_degrees_are_recognised(tmp_path: Path) -> None:
     assert "read as degrees" in messages(notes)
 
 
+def test_the_eyes_tell_degrees_where_the_head_is_still(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", [timecode(t, 60) for t in range(90)], [0.5] * 90, HeadYaw=1.2, LeftEyeYaw=-14.0)
+    track, notes = read_livelink(path)
+    assert track.channel("headYaw").max() == pytest.approx(1.2)
+    assert "read as degrees" in messages(notes)
+
+
 def test_weights_a_little_outside_are_brought_back_and_reported(tmp_path: Path) -> None:
     codes = [timecode(frame, 30) for frame in range(40)]
     track, notes = read_livelink(write(tmp_path / "a.csv", codes, [1.2] * 40, MouthFunnel=-0.1))

@@ -12,7 +12,7 @@ from pathlib import Path
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_size, read_bytes
 
-__all__ = ["decode_text", "first_line", "read_plain_text"]
+__all__ = ["decode_text", "first_lines", "read_plain_text"]
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -43,17 +43,17 @@ def read_plain_text(path: str | Path, what: str = "text") -> tuple[str, tuple[No
     return decode_text(read_bytes(path, "text"), path, what)
 
 
-def first_line(path: Path) -> str:
-    """The first line of a file, without blanks around it; empty where it is no text."""
+def first_lines(path: Path) -> list[str]:
+    """The first lines of a file, without blanks around them; none where it is no text."""
     with path.open("rb") as file:
         head = file.read(_LONGEST_LINE)
     whole = head[: head.rfind(b"\n") + 1] or head[: len(head) // 4 * 4]
     if head[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         whole = head[: len(head) // 4 * 4]
     try:
-        return decode_text(whole, path)[0].partition("\n")[0].strip()
+        return [line.strip() for line in decode_text(whole, path)[0].split("\n")]
     except InputError:
-        return ""
+        return []
 
 
 def decode_text(content: bytes, where: object, what: str = "text") -> tuple[str, tuple[Note, ...]]:

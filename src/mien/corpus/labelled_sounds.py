@@ -10,7 +10,6 @@ Three ways of saying which emotion a recording has, tried in this order:
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from typing import Any
 
 from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, unknown_name
+from mien.core.tables import read_rows
 
 __all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds", "speaker_of_name"]
 
@@ -148,25 +148,22 @@ def _tables() -> dict[str, Any]:
 
 
 def _of_table(path: Path) -> tuple[LabelledSound, ...]:
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream)
-            columns, rows = reader.fieldnames or [], list(reader)
-    except (UnicodeDecodeError, csv.Error) as problem:
-        raise InputError(f"{path}: is no table in UTF-8 ({problem})") from problem
+    table = read_rows(path)
+    columns = [name.lower() for name in table.rows[0][1]] if table.rows else []
     missing = [name for name in ("file", "emotion") if name not in columns]
     if missing:
         raise InputError(f"{path}: expected the columns file, emotion and speaker, got {', '.join(columns) or 'none'}")
     sounds = []
-    for line, row in enumerate(rows, start=2):
-        sound = path.parent / (row["file"] or "")
-        if not row["file"] or not sound.is_file():
-            raise InputError(f"{path}, line {line}: no such recording {row['file']!r}")
+    for line, cells in table.rows[1:]:
+        row = {column: cell for column, cell in zip(columns, cells, strict=False) if cell}
+        sound = path.parent / row.get("file", "")
+        if "file" not in row or not sound.is_file():
+            raise InputError(f"{path}, line {line}: no such recording {row.get('file')!r}")
         try:
-            emotion = emotion_of_label(row["emotion"] or "")
+            emotion = emotion_of_label(row.get("emotion", ""))
         except InputError as problem:
             raise InputError(f"{path}, line {line}: {problem}") from problem
-        sounds.append(LabelledSound(sound, emotion, (row.get("speaker") or "").strip()))
+        sounds.append(LabelledSound(sound, emotion, row.get("speaker", "")))
     if not sounds:
         raise InputError(f"{path}: lists no recording")
     return tuple(sounds)

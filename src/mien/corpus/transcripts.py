@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +10,7 @@ from mien.core.border import guarded, reading
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.limits import check_size
 from mien.core.plain_text import read_plain_text
+from mien.core.tables import Table, first_row, read_rows
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE
 from mien.corpus.recipes import FIELDS
@@ -124,11 +123,7 @@ def _arpabet(path: Path, tier: Tier) -> Tier:
 def own_table(source: Path) -> Path | None:
     """The table of takes that lies in a folder of recordings as ``table.csv``; it begins with ``name``."""
     path = source / "table.csv"
-    try:
-        with path.open("rb") as file:
-            return path if file.readline().lower().startswith(b"name,") else None
-    except OSError:
-        return None  # there is none, which is usual
+    return path if path.is_file() and [cell.lower() for cell in first_row(path)][:1] == ["name"] else None
 
 
 def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]:
@@ -146,39 +141,27 @@ def read_table(path: Path) -> tuple[dict[str, dict[str, str]], tuple[Note, ...]]
         If a column is not known, or a name repeats.
     """
     with reading(path, "a table of takes"):
-        text, notes = read_plain_text(path, "a table")
-        return _table(path, text), notes
+        table = read_rows(path)
+        return _by_name(path, table), table.notes
 
 
-def _table(path: Path, text: str) -> dict[str, dict[str, str]]:
-    lines = text.splitlines()
-    check_size("rows", len(lines), path)
-    header = lines[0] if lines else ""
-    delimiter = max("\t;,", key=header.count)
-    rows = csv.DictReader(lines, delimiter=delimiter)
-    columns = [name.strip().lower() for name in rows.fieldnames or ()]
+def _by_name(path: Path, table: Table) -> dict[str, dict[str, str]]:
+    header = table.rows[0][1] if table.rows else []
+    columns = [name.lower() for name in header]
     if "name" not in columns:
-        raise InputError(
-            f"{path}: expected a header line with 'name' and any of {', '.join(FIELDS)}, got {header[:60]!r}"
-        )
+        told = table.mark.join(header)[:60]
+        raise InputError(f"{path}: expected a header line with 'name' and any of {', '.join(FIELDS)}, got {told!r}")
     for column in columns:
         if column not in ("name", *FIELDS):
             raise unknown_name(f"column in {path.name}", column, ("name", *FIELDS))
-    rows.fieldnames = columns
-    return _rows_by_name(path, rows)
-
-
-def _rows_by_name(path: Path, rows: csv.DictReader[str]) -> dict[str, dict[str, str]]:
-    table: dict[str, dict[str, str]] = {}
-    for row in rows:
-        cells: Mapping[str, str | None] = row
-        if None in cells:
-            raise InputError(
-                f"{path}, line {rows.line_num}: more cells than columns: quote a text that holds the separator"
-            )
-        name = (cells["name"] or "").strip()
-        check_size("name", len(name), f"{path}, line {rows.line_num}")
-        if name in table:
-            raise InputError(f"{path}, line {rows.line_num}: the name {name!r} is there twice; keep one of the lines")
-        table[name] = {key: value.strip() for key, value in cells.items() if key != "name" and value and value.strip()}
-    return table
+    found: dict[str, dict[str, str]] = {}
+    for line, row in table.rows[1:]:
+        if len(row) > len(columns):
+            raise InputError(f"{path}, line {line}: more cells than columns: quote a text that holds the separator")
+        cells = {column: cell for column, cell in zip(columns, row, strict=False) if cell}
+        name = cells.pop("name", "")
+        check_size("name", len(name), f"{path}, line {line}")
+        if name in found:
+            raise InputError(f"{path}, line {line}: the name {name!r} is there twice; keep one of the lines")
+        found[name] = cells
+    return found

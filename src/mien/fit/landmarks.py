@@ -14,7 +14,6 @@ gives some of them, in one of three notations::
 
 from __future__ import annotations
 
-import csv
 import json
 import tomllib
 from collections.abc import Mapping
@@ -30,6 +29,7 @@ from mien.core.assets import asset
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
+from mien.core.tables import parsed_table
 
 __all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
 
@@ -140,11 +140,12 @@ def checked_landmarks(data: Any, where: str, width: int) -> dict[str, tuple[floa
 
 def _from_csv(text: str, where: str, width: int) -> dict[str, tuple[float, ...]]:
     found: dict[str, tuple[float, ...]] = {}
-    for line, row in enumerate(csv.reader(text.splitlines()), 1):
-        cells = [cell.strip() for cell in row]
-        while cells and not cells[-1]:
+    table = parsed_table(text, where, "landmarks")
+    for line, row in table.rows:
+        cells = [table.spelt(cell) for cell in row]
+        while not cells[-1]:
             cells.pop()
-        if not cells or cells[0].startswith("#") or (line == 1 and cells[0].lower() in ("name", "landmark")):
+        if cells[0].startswith("#") or (line == 1 and cells[0].lower() in ("name", "landmark")):
             continue
         name = _checked_name(cells[0], f"{where}:{line}")
         if name in found:

@@ -7,7 +7,6 @@ reads it too.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ from mien.core.border import reading
 from mien.core.channels import ARKIT, HEAD
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_size
-from mien.core.plain_text import read_plain_text
+from mien.core.tables import read_rows
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 
@@ -39,6 +38,7 @@ HEAD_SIGNS = np.array([1.0, -1.0, -1.0])
 """mien's yaw, pitch, roll against the app's."""
 
 _TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
+_PLAIN_NUMBER = re.compile(r"[-+]?\d{1,6}(?:\.\d{0,20})?", re.ASCII)
 _DAY = 24 * 3600
 _LONGEST_GAP = 600.0  # seconds; more is another recording
 _FEWEST_WEIGHTS = 26  # of 52: with less it is another kind of table
@@ -101,15 +101,9 @@ class _Table:
 
 
 def _table(path: Path) -> _Table:
-    text, notes = read_plain_text(path, "a Live Link Face CSV")
-    first = text.split("\n", 1)[0]
-    mark = max(",;\t", key=first.count)
-    try:
-        numbered = [(number, row) for number, row in enumerate(csv.reader(text.split("\n"), delimiter=mark), 1) if row]
-    except csv.Error as problem:
-        raise InputError(f"{path} is not a Live Link Face CSV: {problem}") from problem
-    check_size("rows", len(numbered), path)
-    header = [name.strip().lower() for name in numbered[0][1]] if numbered else []
+    read = read_rows(path, "a Live Link Face CSV")
+    numbered = read.rows
+    header = [name.lower() for name in numbered[0][1]] if numbered else []
     wanted = ("Timecode", *_WEIGHT_COLUMNS, *_HEAD_COLUMNS)
     missing = [name for name in wanted if name.lower() not in header]
     weights = len(set(_WEIGHT_COLUMNS) - set(missing))
@@ -118,10 +112,10 @@ def _table(path: Path) -> _Table:
     table = _Table(
         [row for _, row in numbered[1:]],
         [number for number, _ in numbered[1:]],
-        [name.strip() for name in numbered[0][1]],
+        numbered[0][1],
         [header.index(name.lower()) if name.lower() in header else -1 for name in wanted],
-        mark != ",",
-        list(notes),
+        read.mark != ",",
+        list(read.notes),
     )
     if missing:
         table.notes.append(Note("warning", f"{path.name} has no {', '.join(missing)}: taken as 0"))
@@ -134,8 +128,8 @@ def _numbers(path: Path, table: _Table) -> tuple[Floats, NDArray[np.bool_]]:
     motion = np.zeros((len(table.rows), len(places)))
     lost = np.zeros(len(table.rows), dtype=bool)
     for frame, (line, row) in enumerate(zip(table.lines, table.rows, strict=True)):
-        cells = [row[place].strip() if 0 <= place < len(row) else None for place in places]
-        said_lost = len(row) > 1 and row[1].strip() == "0"
+        cells = [row[place] if 0 <= place < len(row) else None for place in places]
+        said_lost = len(row) > 1 and row[1] == "0"
         if said_lost or not any(cells):
             if not said_lost and len(row) < len(table.header) and len(row) > 1:
                 raise InputError(f"{path}, line {line}: expected {len(table.header)} columns, got {len(row)}")
@@ -184,12 +178,19 @@ def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
                 "brought to 0..1",
             )
         )
-    if np.abs(angles).max(initial=0.0) > _MOST_RADIANS:
-        widest = float(np.abs(angles).max())
-        table.notes.append(Note("note", f"{path.name} has head angles up to {widest:.0f}: read as degrees"))
+    widest = max(float(np.abs(angles).max(initial=0.0)), _widest_eye(table))
+    if widest > _MOST_RADIANS:
+        table.notes.append(Note("note", f"{path.name} has angles up to {widest:.0f}: read as degrees"))
     else:
         angles = np.degrees(angles)
     return np.hstack([np.clip(weights, 0.0, 1.0), angles * HEAD_SIGNS])
+
+
+def _widest_eye(table: _Table) -> float:
+    """The eyes turn far even where the head is still: they show the unit of angles."""
+    places = [place for place, name in enumerate(table.header) if name.lower() in map(str.lower, _EYE_COLUMNS)]
+    cells = (row[place].replace(",", ".") for row in table.rows for place in places if place < len(row))
+    return max((abs(float(cell)) for cell in cells if _PLAIN_NUMBER.fullmatch(cell)), default=0.0)
 
 
 # ------------------------------------------------------------------ time

@@ -23,8 +23,10 @@ from mien.core.timeline import Interval, Tier
 __all__ = ["read_textgrid", "write_textgrid"]
 
 _TOUCHING = 1e-9  # seconds; the tolerance of `Tier`
+_ROUNDED = 1e-3  # seconds; intervals that overlap by less were rounded
 _TOKEN = re.compile(
-    r'"(?P<text>(?:[^"]|"")*)"|(?P<flag><\w+>)|(?<!\S)(?P<number>-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?!\S)'
+    r'"(?P<text>(?:[^"]|"")*)"|(?P<flag><\w+>)|(?<!\S)![^\n]*'  # the last: a remark
+    r"|(?<!\S)(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?!\S)"
 )
 
 
@@ -132,7 +134,7 @@ def _tokens(path: Path) -> Iterator[str | float]:
             yield match["text"].replace('""', '"')
         elif match["number"] is not None:
             yield float(match["number"])
-        else:
+        elif match["flag"] is not None:
             yield match["flag"]
 
 
@@ -147,12 +149,14 @@ def _read_tier(tokens: Iterator[str | float]) -> Tier:
     kind, name, _, _, count = _take(tokens, 5)
     if kind not in ("IntervalTier", "TextTier"):
         raise ValueError(f"expected IntervalTier or TextTier, got {kind!r}")
-    intervals = []
+    intervals: list[Interval] = []
     for _ in range(_count(count)):
         *times, label = _take(tokens, 3 if kind == "IntervalTier" else 2)
         start, end = _seconds(times[0]), _seconds(times[-1])
         if not isinstance(label, str):
             raise ValueError(f"tier {name!r}: expected a label at {start:g} s, got the number {label:g}")
+        if label and intervals and 0 < intervals[-1].end - start <= _ROUNDED < end - start:
+            start = intervals[-1].end
         if label:
             intervals.append(Interval(start, end, label))
     return Tier(str(name), tuple(intervals))

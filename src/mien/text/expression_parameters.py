@@ -14,13 +14,11 @@ none). Between lines intensities run straight.
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
-from mien.core.limits import check_size
-from mien.core.plain_text import read_plain_text
+from mien.core.tables import read_rows
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
 
@@ -49,17 +47,14 @@ def read_expression_parameters(path: str | Path) -> tuple[EmotionSpan, ...]:
         If the file is missing or a line is not written as above; the message names the line.
     """
     path = Path(path)
-    rows = list(csv.reader(read_plain_text(path, "expression parameters")[0].splitlines()))
-    check_size("keys", len(rows), path)
-    if not rows or tuple(cell.strip().lower() for cell in rows[0]) != _COLUMNS:
+    table = read_rows(path, "expression parameters", "keys")
+    if not table.rows or tuple(cell.lower() for cell in table.rows[0][1]) != _COLUMNS:
         raise InputError(f"{path}, line 1: expected the headings {','.join(_COLUMNS)}")
     times: list[float] = []
     asked: list[dict[str, float]] = []
-    for number, row in enumerate(rows[1:], start=2):
-        if not any(cell.strip() for cell in row):
-            continue
+    for number, row in table.rows[1:]:
         try:
-            time, moment = _moment([cell.strip() for cell in row])
+            time, moment = _moment([table.spelt(cell) for cell in row])
         except (InputError, ValueError) as problem:
             raise InputError(f"{path}, line {number}: {problem}") from problem
         if times and time <= times[-1]:

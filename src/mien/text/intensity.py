@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from dataclasses import dataclass
@@ -15,8 +14,7 @@ from numpy.typing import NDArray
 
 from mien.core.border import reading
 from mien.core.errors import InputError
-from mien.core.limits import check_size
-from mien.core.plain_text import read_plain_text
+from mien.core.tables import read_rows
 from mien.text.sync_points import Moment
 
 __all__ = [
@@ -255,13 +253,12 @@ def _read_values(path: str | Path, kind: type[Curve]) -> Curve:
     path = Path(path)
     what = f"a CSV of two columns, seconds and {kind.what}"
     with reading(path, what):
-        lines = list(csv.reader(read_plain_text(path, what)[0].splitlines()))
-    check_size("keys", len(lines), path)
+        table = read_rows(path, what, "keys")
     times: list[float] = []
     values: list[float] = []
-    for number, line in enumerate(lines, start=1):
-        cells = [cell.strip() for cell in line if cell.strip()]
-        if not cells or cells[0].startswith("#") or (not times and not _is_number(cells[0])):
+    for number, line in table.rows:
+        cells = [table.spelt(cell) for cell in line if cell]
+        if cells[0].startswith("#") or (not times and not _is_number(cells[0])):
             continue
         if len(cells) != 2 or not all(map(_is_number, cells)):
             raise InputError(f"{path}, line {number}: expected seconds and an {kind.what}, got {','.join(line)[:60]!r}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import itertools
 import math
 import re
@@ -15,7 +13,7 @@ from typing import Any
 from mien.api.stimuli.framing import background_colour, check_crop
 from mien.core.errors import InputError, unknown_name
 from mien.core.limits import check_size
-from mien.core.plain_text import read_plain_text
+from mien.core.tables import read_rows
 from mien.text.effort_spans import parse_effort
 
 __all__ = ["COLUMNS", "Stimulus", "read_design"]
@@ -126,17 +124,11 @@ def read_design(path: str | Path) -> tuple[Stimulus, ...]:
 
 def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The names of the columns, and each row that is not empty with the line it ends on."""
-    text, _ = read_plain_text(path, "a table")
-    first = text.partition("\n")[0]
-    delimiter = "\t" if path.suffix.lower() == ".tsv" else ";" if ";" in first and "," not in first else ","
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
-    try:
-        rows = [(reader.line_num, row) for row in reader]
-    except csv.Error as problem:
-        raise InputError(f"{path}, line {reader.line_num}: expected a table ({problem})") from problem
-    check_size("rows", len(rows), path)
-    header = [name.strip() for name in rows[0][1]] if rows else []
-    return header, [(line, row) for line, row in rows[1:] if any(cell.strip() for cell in row)]
+    table = read_rows(path)
+    if not table.rows:
+        return [], []
+    (_, header), *rows = table.rows
+    return header, rows
 
 
 def _crossed(header: Sequence[str], row: Sequence[str], where: str, before: int) -> Iterable[Stimulus]:
@@ -169,7 +161,7 @@ def _stimulus(name: str, cell: Mapping[str, str], where: str) -> Stimulus:
             values[column] = text
             continue
         try:
-            values[column] = _NUMBERS[column](text)
+            values[column] = _NUMBERS[column](text.replace(",", "."))
         except ValueError:
             kind = "a whole number" if _NUMBERS[column] is int else "a number"
             raise InputError(f"{where}: {column} is {kind}, not {text!r}") from None

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import Layout, load_layout
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError
-from mien.core.plain_text import first_line
+from mien.core.tables import first_row
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -34,8 +34,8 @@ Floats = NDArray[np.float64]
 def _is_livelink(path: Path) -> bool:
     if path.suffix.lower() != ".csv":
         return False
-    line = first_line(path).lower()
-    return line.startswith(COLUMNS[0].lower()) and "jawopen" in line
+    header = [cell.lower() for cell in first_row(path)]
+    return COLUMNS[0].lower() in header and "jawopen" in header
 
 
 def _find(source: Path) -> list[Found]:

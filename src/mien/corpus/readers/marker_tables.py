@@ -8,7 +8,6 @@ numerator and denominator; ``units`` if it has any. The motion files of a corpus
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.core.limits import load_arrays
-from mien.core.plain_text import first_line, read_plain_text
+from mien.core.tables import first_row, read_rows
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -43,7 +42,7 @@ def _is_track(path: Path) -> bool:
             return False
     if path.suffix.lower() != ".csv":
         return False
-    return bool(_triples(first_line(path).split(",")))
+    return bool(_triples(first_row(path)))
 
 
 def _find(source: Path) -> list[Found]:
@@ -104,33 +103,33 @@ def _triples(header: Sequence[str]) -> dict[str, dict[str, int]]:
 
 
 def _read_csv(path: Path) -> Content:
-    text, _ = read_plain_text(path, "a table of markers")
-    rows = [row for row in csv.reader(text.splitlines()) if row]
-    table = _triples(rows[0])
-    places = [[axes[axis] for axis in "xyz"] for axes in table.values()]
-    positions = np.full((len(rows) - 1, len(table), 3), np.nan)
-    for frame, row in enumerate(rows[1:]):
-        if len(row) != len(rows[0]):
-            raise InputError(
-                f"{path}, line {frame + 2}: {len(rows[0])} columns expected, got {len(row)}: is it cut short?"
-            )
+    table = read_rows(path, "a table of markers")
+    (_, header), *rows = table.rows
+    markers = _triples(header)
+    places = [[axes[axis] for axis in "xyz"] for axes in markers.values()]
+    positions = np.full((len(rows), len(markers), 3), np.nan)
+    times = []
+    header = [column.lower() for column in header]
+    for frame, (line, row) in enumerate(rows):
+        if len(row) != len(header):
+            raise InputError(f"{path}, line {line}: {len(header)} columns expected, got {len(row)}: is it cut short?")
+        cells = [table.spelt(cell) for cell in row]
         for marker, triple in enumerate(places):
-            positions[frame, marker] = [_number(path, frame, row[place]) for place in triple]
-    header = [column.strip().lower() for column in rows[0]]
-    rate = None
-    if "time" in header:
-        rate = _rate_of(path, [_number(path, frame, row[header.index("time")]) for frame, row in enumerate(rows[1:])])
-    return list(table), positions, rate, ""
+            positions[frame, marker] = [_number(path, line, frame, cells[place]) for place in triple]
+        if "time" in header:
+            times.append(_number(path, line, frame, cells[header.index("time")]))
+    rate = _rate_of(path, times, [line for line, _ in rows]) if "time" in header else None
+    return list(markers), positions, rate, ""
 
 
-def _number(path: Path, frame: int, cell: str) -> float:
+def _number(path: Path, line: int, frame: int, cell: str) -> float:
     try:
-        return float(cell) if cell.strip() else np.nan
+        return float(cell) if cell else np.nan
     except ValueError as problem:
-        raise InputError(f"{path}, line {frame + 2} (frame {frame}): expected a number, got {cell!r}") from problem
+        raise InputError(f"{path}, line {line} (frame {frame}): expected a number, got {cell!r}") from problem
 
 
-def _rate_of(path: Path, times: Sequence[float]) -> FrameRate:
+def _rate_of(path: Path, times: Sequence[float], lines: Sequence[int]) -> FrameRate:
     steps = np.diff(times)
     if not len(steps):
         raise InputError(f"{path}: one frame only, so its frame rate is not known; give fps in a recipe")
@@ -140,8 +139,8 @@ def _rate_of(path: Path, times: Sequence[float]) -> FrameRate:
     odd = np.flatnonzero(~(np.abs(steps - step) <= _IRREGULAR * step))
     if len(odd):
         raise InputError(
-            f"{path}, line {odd[0] + 3} (frame {odd[0] + 1}): {steps[odd[0]]:.4g} s after the frame ahead, where "
-            f"{step:.4g} s are usual: frames are missing; keep them as lines with empty cells"
+            f"{path}, line {lines[odd[0] + 1]} (frame {odd[0] + 1}): {steps[odd[0]]:.4g} s after the frame ahead, "
+            f"where {step:.4g} s are usual: frames are missing; keep them as lines with empty cells"
         )
     return FrameRate.of(round((len(times) - 1) / (times[-1] - times[0]), 3))
 
