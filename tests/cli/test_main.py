@@ -175,3 +175,8 @@ def test_options_that_no_format_has_a_use_for_are_reported() -> None:
     ]
     assert _unused(argparse.Namespace(**given), ["a.csv", "a.png"]) == []
     assert _unused(argparse.Namespace(face="default", deformer="blendshapes", fps="30"), ["a.wav"]) == []
+    asked = {"emotion": ["sad", "happy:0.2"], "alive": "off", "prosody": "0.5", "fps": None}
+    in_animate = _unused(argparse.Namespace(**asked), ["a.wav"])
+    assert [n.message.split(" has")[0] for n in in_animate] == ["--alive off", "--emotion sad happy:0.2"]
+    in_say = _unused(argparse.Namespace(voice_emotion=1.0, **asked), ["a.wav"])
+    assert [n.message.split(" has")[0] for n in in_say] == ["--alive off"]

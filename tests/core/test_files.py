@@ -100,6 +100,21 @@ def test_two_writers_of_one_file_do_not_meet(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_of_two_commands_that_write_one_file_the_second_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    script = "import sys; from mien.core import files\nfiles.claim_outputs()\nfiles.check_writable(sys.argv[1])\n"
+    first = [sys.executable, "-c", script + "print('claimed', flush=True); input()", str(path)]
+    second = [sys.executable, "-c", script + "print('free')", str(path)]
+    with subprocess.Popen(first, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        running.stdout.readline()
+        told = subprocess.run(second, capture_output=True, text=True, check=False)
+        assert "another mien command is at work on it" in told.stderr
+        running.kill()
+    assert subprocess.run(second, capture_output=True, text=True, check=False).stdout == "free\n"
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_link_in_the_place_of_a_temporary_is_not_followed(tmp_path: Path) -> None:
     precious = tmp_path / "precious"
     precious.write_text("mine")

@@ -38,6 +38,7 @@ from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
+from mien.core.files import claim_outputs
 
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
@@ -46,6 +47,12 @@ __all__ = ["main"]
 
 
 _WITHOUT_FRAMES = (".wav", ".textgrid")
+_OF_FRAMES: dict[str, str | None] = {
+    "fps": "30", "performer": "default", "speech_model": None, "prosody": "0.5", "alive": "all",
+}  # fmt: skip
+"""Options that change frames only, and their usual values."""
+_OF_FACES: dict[str, str | None] = {"emotion": None, "effort": None}
+"""Options that change frames, and a voice that is made for them."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -89,6 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # a terminal that cannot show a name must not end the work
     options = _parser().parse_args(arguments)
     stop_cleanly()
+    claim_outputs()
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -391,12 +399,13 @@ def _unused(options: argparse.Namespace, outputs: Sequence[str]) -> list[Note]:
     from mien.formats.registry import shows_face
 
     suffixes = ", ".join(dict.fromkeys(Path(path).suffix for path in outputs))
-    given = []
+    unused: dict[str, str | None] = {}
     if not any(shows_face(path) for path in outputs):
-        given += [f"--{name} {value}" for name, usual in (("face", "default"), ("deformer", "blendshapes"))
-                  if (value := getattr(options, name, usual)) != usual]  # fmt: skip
-    if all(Path(path).suffix.lower() in _WITHOUT_FRAMES for path in outputs) and getattr(options, "fps", "30") != "30":
-        given.append(f"--fps {options.fps}")
+        unused |= {"face": "default", "deformer": "blendshapes"}
+    if all(Path(path).suffix.lower() in _WITHOUT_FRAMES for path in outputs):
+        unused |= _OF_FRAMES if hasattr(options, "voice_emotion") else _OF_FRAMES | _OF_FACES
+    asked = {name: value for name in unused if (value := getattr(options, name, None)) not in (unused[name], None)}
+    given = [f"--{name.replace('_', '-')} {' '.join(v) if isinstance(v, list) else v}" for name, v in asked.items()]
     return [Note("warning", f"{option} has no effect: nothing of it is in {suffixes}") for option in given]
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 from mien.cli.progress_bar import progress_bar
 
 __all__ = ["add_commands"]
+
+_SHOWN = 10  # warnings about single lines
 
 
 def add_commands(commands: Any) -> None:
@@ -64,7 +67,10 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.text.effort_spans import parse_effort
     from mien.text.score import EmotionSpan
 
-    lines = read_text(Path(options.lines)).splitlines()
+    lines = [
+        _said(line, number, options.lines)
+        for number, line in enumerate(read_text(Path(options.lines)).splitlines(), start=1)
+    ]
     names = ("voice", "effort", "fps", "performer", "face")
     chosen = {name: getattr(options, name) for name in names if getattr(options, name)}
     if options.effort not in ("", "off"):
@@ -86,6 +92,24 @@ def _batch(options: argparse.Namespace) -> int:
     formats = _suffixes(options.formats) or [".mp4"]
     others = [suffix for suffix in formats if suffix.lower() != ".mp4"]
     return _make(stimuli, options, 0, others, len(others) < len(formats))
+
+
+def _said(line: str, number: int, source: str) -> str:
+    """What a line says, or the file that it names, by the rule of all commands."""
+    from mien.api.calls import read_text
+    from mien.core.errors import InputError
+
+    try:
+        return read_text(line.strip())
+    except InputError as problem:
+        raise InputError(f"{source}, line {number}: {problem}") from problem
+
+
+def _warn(warned: Sequence[tuple[str, str]]) -> None:
+    for name, told in warned[:_SHOWN]:
+        print(f"mien: warning: {name}: {told}", file=sys.stderr)
+    if len(warned) > _SHOWN:
+        print(f"mien: warning: {len(warned) - _SHOWN} more warnings are in NAME.json", file=sys.stderr)
 
 
 def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[str], picture: bool) -> int:
@@ -114,5 +138,6 @@ def _make(stimuli: Any, options: argparse.Namespace, lists: int, formats: list[s
     for name, reason in report.failed:
         print(f"mien: error: {name}: {reason}", file=sys.stderr)
     if not options.quiet:
+        _warn(report.warned)
         print(f"{options.output}: made {len(report.made)}, kept {len(report.kept)}, failed {len(report.failed)}")
     return 2 if report.failed else 0

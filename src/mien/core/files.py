@@ -2,28 +2,40 @@
 
 What is written goes into a temporary file beside its target, to the disk, and only then takes the target's name. The
 temporary is locked while it is written: one that nobody holds was left by a program that was killed, and the next that
-writes the same file takes it over.
+writes the same file takes it over. A command claims its outputs when it first asks whether they can be written
+(`claim_outputs`), so that of two that write the same file the second is told at once.
 """
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import errno
 import hashlib
 import os
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from mien.core.errors import OutputError
 
-__all__ = ["check_writable", "held_alone", "replace_when_complete"]
+__all__ = ["check_writable", "claim_outputs", "held_alone", "replace_when_complete"]
 
 _LONGEST_SUFFIX = 32
 """Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
 _MOST_WRITERS = 16
 """Programs that write the same file at once and find a temporary of a known name."""
+_STALE = 3600  # seconds
+_claims: dict[Path, tuple[Path, int]] | None = None
+"""What this command claimed, with the lock files and the descriptors that hold them; None: nothing is claimed."""
+
+
+def claim_outputs() -> None:
+    """Claim from now on each file that `check_writable` is asked about, until it is written or the program ends."""
+    global _claims
+    _claims = {}
 
 
 def check_writable(path: str | Path) -> Path:
@@ -32,9 +44,15 @@ def check_writable(path: str | Path) -> Path:
     Raises
     ------
     OutputError
-        If its folder is missing or not writable, or if ``path`` is a folder.
+        If its folder is missing or not writable, if ``path`` is a folder, or another command claimed it.
     """
     path = Path(path)
+    _checked(path)
+    _claim(path)
+    return path
+
+
+def _checked(path: Path) -> None:
     folder = path.parent
     try:
         path.lstat()
@@ -49,7 +67,6 @@ def check_writable(path: str | Path) -> Path:
         raise OutputError(f"cannot write {path}: {folder} is not a folder")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
         raise OutputError(f"cannot write {path}: permission denied")
-    return path
 
 
 @contextmanager
@@ -83,6 +100,7 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
         _to_disk(unfinished)
         unfinished.replace(path)
         _to_disk(path.parent)
+        _release(path)
     except OSError as problem:
         if problem.errno == errno.ENOSPC:
             raise OutputError(f"cannot write {path}: the disk is full; free some space and run again") from problem
@@ -111,25 +129,102 @@ def held_alone(path: str | Path, otherwise: str) -> Iterator[None]:
         If another program holds it.
     """
     try:
-        import fcntl
-
-        handle = os.open(path, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-    except ImportError:
-        yield
-        return
+        handle = _locked(Path(path))
+    except BlockingIOError as problem:
+        raise OutputError(f"{otherwise}: wait until it has ended") from problem
     except OSError as problem:
         raise OutputError(f"cannot write {path}: {problem.strerror}") from problem
     try:
+        yield
+    finally:
+        Path(path).unlink(missing_ok=True)
+        if handle is not None:
+            os.close(handle)
+
+
+def _locked(path: Path) -> int | None:
+    """Make and lock a lock file; its descriptor, or None where there are no locks.
+
+    Raises
+    ------
+    BlockingIOError
+        If another holds it.
+    OSError
+        If it cannot be made.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    while True:
+        handle = os.open(path, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as problem:
-            raise OutputError(f"{otherwise}: wait until it has ended") from problem
-        except OSError:  # no locks here
-            pass
-        yield
-        Path(path).unlink(missing_ok=True)
-    finally:
-        os.close(handle)
+        except OSError as problem:
+            os.close(handle)
+            if isinstance(problem, BlockingIOError):
+                raise
+            return None  # no locks here
+        if _is_at(handle, path):
+            return handle
+        os.close(handle)  # removed by the one that held it, between our opening and our locking
+
+
+def _is_at(handle: int, path: Path) -> bool:
+    """Whether an open file is the one, and the only one, of this name."""
+    try:
+        mine, there = os.fstat(handle), path.stat()
+    except OSError:
+        return False
+    return (mine.st_dev, mine.st_ino) == (there.st_dev, there.st_ino) and mine.st_nlink == 1
+
+
+def _claim(path: Path) -> None:
+    """Hold the claim to an output; where no lock files can be made, nothing is claimed."""
+    real = path.resolve()
+    if _claims is None or real in _claims:
+        return
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"mien-{user}"
+    lock = folder / hashlib.sha256(os.fsencode(real)).hexdigest()[:24]
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if folder.lstat().st_uid != user:
+            return
+        if not _claims:
+            atexit.register(_release_all)
+            _sweep(folder)
+        handle = _locked(lock)
+    except BlockingIOError as problem:
+        raise OutputError(
+            f"cannot write {path}: another mien command is at work on it; wait until it has ended, or give another name"
+        ) from problem
+    except OSError:
+        return
+    if handle is not None:
+        _claims[real] = (lock, handle)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what killed commands left of claims."""
+    for lock in folder.iterdir():
+        with contextlib.suppress(OSError):
+            if time.time() - lock.stat().st_mtime > _STALE and (handle := _locked(lock)) is not None:
+                lock.unlink()
+                os.close(handle)
+
+
+def _release(path: Path) -> None:
+    claim = _claims.pop(path.resolve(), None) if _claims else None
+    if claim is not None:
+        with contextlib.suppress(OSError):
+            claim[0].unlink()
+        os.close(claim[1])
+
+
+def _release_all() -> None:
+    for path in list(_claims or ()):
+        _release(path)
 
 
 def _temporary(path: Path) -> tuple[Path, int]:
@@ -165,8 +260,7 @@ def _taken(name: Path) -> int | None:
         raise
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        mine, there = os.fstat(handle), name.stat()
-        if (mine.st_dev, mine.st_ino) == (there.st_dev, there.st_ino) and mine.st_nlink == 1:
+        if _is_at(handle, name):
             os.ftruncate(handle, 0)
             return handle
     except OSError:  # held, renamed or removed meanwhile, or a file system without locks

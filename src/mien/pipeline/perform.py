@@ -40,6 +40,7 @@ from mien.text.score import Score
 
 __all__ = ["blend", "direct", "express", "perform"]
 
+_A_LITTLE = 0.25  # seconds by which a curve may end after its line
 _WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
 _HEAD = [channels.ALL.index(name) for name in channels.HEAD]
@@ -94,15 +95,25 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
 
 
 def _outside(score: Score, duration: float) -> tuple[Note, ...]:
-    """Notes on emotions that were asked for where the line is over."""
-    late = [span for span in score.emotions if (span.start or 0.0) >= duration]
-    return tuple(
-        Note(
-            "warning",
-            f"{span.name} was asked for from {span.start:g} s, but the line ends at {duration:.2f} s: not shown",
-        )
-        for span in late
-    )
+    """Notes on what was asked for where the line is over."""
+    asked = [(span.name, span.start or 0.0, span.intensity) for span in score.emotions]
+    asked += [("effort", span.start or 0.0, span.level) for span in score.efforts if span.source == "asked"]
+    told = [
+        f"{name} was asked for from {start:g} s, but the line ends at {duration:.2f} s: not shown"
+        for name, start, _ in asked
+        if start >= duration
+    ]
+    told += [
+        f"{name} was asked for at {curve.times[-1]:g} s, but the line ends at {duration:.2f} s: not shown there"
+        for name, start, curve in asked
+        if not isinstance(curve, float | int) and start < duration < curve.times[-1] - _A_LITTLE
+    ]
+    told += [
+        f"{curve.parameter} was asked for from {start:g} s, but the line ends at {duration:.2f} s: not shown"
+        for curve in score.curves
+        if (start := (curve.keys[0][0] - curve.fade) / 1000) >= duration
+    ]
+    return tuple(Note("warning", message) for message in dict.fromkeys(told))
 
 
 def _of_neutral(score: Score) -> tuple[Note, ...]:

@@ -99,5 +99,5 @@ def _with_note(script: Script, text: str) -> Script:
     name = text.strip()
     if len(name.split()) != 1 or len(name) > 255 or not os.path.isfile(name):  # noqa: PTH113
         return script
-    note = Note("note", f"{name!r} is spoken as a word; to read the file of that name, give it as --script or --text")
+    note = Note("note", f"{name!r} is spoken as a word; to read the file of that name, write .{os.sep}{name}")
     return replace(script, notes=(*script.notes, note))

@@ -22,7 +22,7 @@ from mien.api.stimuli.framing import Framing, framing
 from mien.api.stimuli.row_lists import counterbalanced, write_list
 from mien.api.stimuli.row_performance import performed
 from mien.core.errors import InputError, MienError, OutputError
-from mien.core.files import replace_when_complete
+from mien.core.files import held_alone, replace_when_complete
 from mien.corpus.workers import each
 from mien.face.model import Face
 from mien.formats.registry import check_output, save
@@ -38,11 +38,12 @@ _BESIDE = {".csv": "-livelink.csv", ".json": "-take.json"}
 
 @dataclass(frozen=True)
 class StimuliReport:
-    """What was made in this run, what was there already, and (name, reason) of what failed."""
+    """What was made in this run, what was there already, (name, reason) of what failed, (name, warning) of the rest."""
 
     made: tuple[str, ...]
     kept: tuple[str, ...]
     failed: tuple[tuple[str, str], ...]
+    warned: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,31 +104,35 @@ def make_stimuli(
     stimuli = read_design(design) if isinstance(design, (str, Path)) else tuple(design)
     counterbalanced((), lists)
     folder = _made(Path(folder))
-    jobs = [_Job(stimulus, str(folder), tuple(formats), picture) for stimulus in stimuli]
-    if not picture and not formats:
-        raise InputError("nothing is to be written: name a format")
-    for suffix in formats:
-        check_output(folder / f"x{suffix}")
-    # What is known of each is read once; a design may have thousands of rows.
-    facts = {job.stimulus.name: known for job in jobs if (known := _finished(job)) is not None}
-    kept = tuple(facts)
-    made, failed = list[str](), list[tuple[str, str]]()
-    for job, result in each(_make, [job for job in jobs if job.stimulus.name not in facts], workers, cluster):
-        if isinstance(result, BaseException):
-            reason = " ".join(str(result).split())
-            failed.append((job.stimulus.name, reason if isinstance(result, MienError) else f"unexpected: {result!r}"))
-        else:
-            made.append(job.stimulus.name)
-            facts[job.stimulus.name] = result
-        if finished is not None:
-            finished(job.stimulus.name, failed[-1][1] if isinstance(result, BaseException) else "")
-        if progress is not None:
-            progress(len(facts) + len(failed), len(stimuli))
-    there = [stimulus for stimulus in stimuli if stimulus.name in facts]
-    write_list(there, facts, folder / "manifest.csv")
-    for number, members in enumerate(counterbalanced(there, lists), start=1):
-        write_list(members, facts, folder / f"list-{number}.csv")
-    return StimuliReport(tuple(sorted(made)), kept, tuple(sorted(failed)))
+    with held_alone(folder / ".making", f"another mien command is writing into {folder}"):
+        jobs = [_Job(stimulus, str(folder), tuple(formats), picture) for stimulus in stimuli]
+        if not picture and not formats:
+            raise InputError("nothing is to be written: name a format")
+        for suffix in formats:
+            check_output(folder / f"x{suffix}")
+        # What is known of each is read once; a design may have thousands of rows.
+        facts = {job.stimulus.name: known for job in jobs if (known := _finished(job)) is not None}
+        kept = tuple(facts)
+        made, failed = list[str](), list[tuple[str, str]]()
+        for job, result in each(_make, [job for job in jobs if job.stimulus.name not in facts], workers, cluster):
+            if isinstance(result, BaseException):
+                reason = " ".join(str(result).split())
+                failed.append(
+                    (job.stimulus.name, reason if isinstance(result, MienError) else f"unexpected: {result!r}")
+                )
+            else:
+                made.append(job.stimulus.name)
+                facts[job.stimulus.name] = result
+            if finished is not None:
+                finished(job.stimulus.name, failed[-1][1] if isinstance(result, BaseException) else "")
+            if progress is not None:
+                progress(len(facts) + len(failed), len(stimuli))
+        there = [stimulus for stimulus in stimuli if stimulus.name in facts]
+        write_list(there, facts, folder / "manifest.csv")
+        for number, members in enumerate(counterbalanced(there, lists), start=1):
+            write_list(members, facts, folder / f"list-{number}.csv")
+        warned = tuple((name, told) for name in sorted(made) for told in facts[name]["warnings"])
+        return StimuliReport(tuple(sorted(made)), kept, tuple(sorted(failed)), warned)
 
 
 def _made(folder: Path) -> Path:
@@ -182,9 +187,10 @@ def _make(job: _Job) -> dict[str, Any]:
     log = folder / f"{stimulus.name}.csv"
     try:
         animation, heard = performed(stimulus)
+        notes = list(animation.notes)
         for name, suffix in job.files().items():
             if suffix:
-                save(animation, folder / name, face=_face(stimulus.face, _content(stimulus.face)))
+                notes += save(animation, folder / name, face=_face(stimulus.face, _content(stimulus.face)))
             else:
                 _write_picture(stimulus, animation, folder / name)
         _write_log(animation, heard, log)
@@ -199,7 +205,8 @@ def _make(job: _Job) -> dict[str, Any]:
         "sha256": {name: _hash(folder / name) for name in (*job.files(), log.name)},
         "versions": _versions(),
         "scope": SCOPE,
-        "notes": [note.message for note in animation.notes],
+        "notes": [note.message for note in notes if note.kind == "note"],
+        "warnings": [note.message for note in notes if note.kind == "warning"],
     }
     with replace_when_complete(folder / f"{stimulus.name}.json") as unfinished:
         unfinished.write_text(json.dumps(facts, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
