@@ -1,7 +1,8 @@
 # make demo   the main job on a fresh clone: makes the environment, speaks a sentence, shows where the results lie
-# make test   all tests (sets up what they need)
+# make test   all tests (sets up what they need); make test-quick: those that are fast, in about a minute
 # make check  format, lint, types, import contract
 # make sheets the pictures in docs/
+# make mutants  a sample of changed lines: does a test notice?
 # make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
 # make setup-festival   Festival with its English and Finnish voices, a separate program (Debian, Ubuntu; needs root)
@@ -11,6 +12,8 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
+MUTANTS ?= 200
+SEED ?= 1
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
 # Node's packages as pinned, installed once for each change of the lock file.
@@ -18,7 +21,7 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: setup-festival demo test check format wheel sheets page fuzz clean
+.PHONY: setup-festival demo test test-quick slow-tests mutants check format wheel sheets page fuzz clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -46,7 +49,19 @@ demo: $(VENV)/.core
 	@echo "         $(abspath $(DEMO))/recording.glb"
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses logical --dist loadfile
+
+# What is fast enough to run at every save; tests/slow_tests.txt is written from the times of a whole run.
+test-quick: $(VENV)/.dev
+	$(BIN)/python -m pytest --numprocesses logical --dist loadfile -m "not slow" -q
+
+slow-tests: $(VENV)/.dev
+	$(BIN)/python -m pytest --numprocesses logical --dist loadfile -q --junitxml=test-times.xml || true
+	$(BIN)/python tools/slow_tests.py test-times.xml
+
+# Does a test notice a changed line? MUTANTS=200 in the core rooms, drawn with SEED=1; takes half an hour on two cores.
+mutants: $(VENV)/.dev
+	$(BIN)/python tools/mutants.py --number $(MUTANTS) --seed $(SEED)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

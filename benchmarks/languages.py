@@ -7,8 +7,9 @@
   phone map leads to the English acoustic model). The sounds are cut at 2 s, so each text is cut after the last word
   that the labels hold as a whole, and the sound with it.
 * Finnish: Festival's two voices against their own phone times; the text is read by its letters (``--language fi``).
-* Spanish: eSpeak NG's voice against its own phone times. Made speech of one engine, which also reads the text for the
-  aligner: it says that the phone map and the way through it hold, less about people.
+* Every language: eSpeak NG's voice against its own phone times, over the sentences of its table (``mien language
+  check``). Made speech of one engine, which also reads the text for the aligner: it says that the phone map and the way
+  through it hold, less about people.
 * A boundary counts where its neighbours are the same phones in both. *Warned* is the share of true texts that get a
   warning that text and sound do not fit.
 """
@@ -16,7 +17,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from difflib import SequenceMatcher
 from pathlib import Path
 
@@ -28,8 +29,9 @@ from mien.core.audio import Audio
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align
+from mien.speech.language_check import boundary_errors, check_language, heard_phones
 from mien.speech.synthesis import synthesise
-from mien.text.languages import find_language, heard_as
+from mien.text.languages import find_language, heard_as, known_languages
 from mien.text.languages.reading import read_in
 
 OUT = Path(__file__).parent.parent / "docs" / "tables" / "languages.md"
@@ -54,35 +56,13 @@ FINNISH = (
     "Minä en ymmärrä, miksi hän suuttui niin kovasti.",
     "Talvi tulee tänä vuonna aikaisin pohjoiseen.",
 )
-SPANISH = (
-    "Buenos días, me llamo Lucía y vivo en Zaragoza.",
-    "El perro corre rápido por la calle mojada.",
-    "Mañana vamos a comprar queso, jamón y pan.",
-    "¿Dónde está la estación de tren más cercana?",
-    "La guitarra vieja suena mejor que la nueva.",
-    "Hace mucho frío, pero los niños juegan en el jardín.",
-)
 HEAD = "| language | utterances | boundaries | counted | median ms | mean ms | ≤20 ms | ≤50 ms | warned |\n"
 
 
-def heard(utterance: Utterance) -> list[Interval]:
-    """Its phones as the acoustic model was asked for them, evenly cut where a phone is several."""
+def heard_in(utterance: Utterance) -> list[Interval]:
     language = find_language(utterance.language)
     assert language is not None
-    assert utterance.native is not None
-    found = []
-    for phone in utterance.native:
-        parts = (PAUSE,) if phone.label == PAUSE else heard_as((phone.label,), language)
-        edges = np.linspace(phone.start, phone.end, len(parts) + 1).tolist()
-        found += [Interval(a, b, label) for a, b, label in zip(edges[:-1], edges[1:], parts, strict=True)]
-    return found
-
-
-def errors(labels: Sequence[Interval], found: Sequence[Interval]) -> Iterator[float]:
-    one, other = [p.label for p in labels], [p.label for p in found]
-    for block in SequenceMatcher(None, one, other, autojunk=False).get_matching_blocks():
-        for k in range(1, block.size):
-            yield abs(found[block.b + k].start - labels[block.a + k].start)
+    return heard_phones(utterance, language)
 
 
 def whole_words(item: Labelled) -> tuple[str, float] | None:
@@ -125,7 +105,7 @@ def german_row(data: Path, number: int) -> str:
         audio = Audio(item.audio.samples[: round((end + 0.05) * item.audio.rate)], item.audio.rate)
         aligned = align(audio, text, language="de")
         labels = [phone for phone in item.phones if phone.end <= end + 1e-6]
-        found += errors(labels, heard(aligned))
+        found += boundary_errors(labels, heard_in(aligned))
         boundaries += len(labels) - 1
         utterances, warned = utterances + 1, warned + has_warning(aligned)
     return row("German, EmoDB, hand labels", utterances, found, boundaries, warned)
@@ -138,8 +118,8 @@ def engine_row(name: str, voice: str, language: str, texts: Sequence[str]) -> st
     for text in texts:
         said = synthesise(text, voice=voice)
         aligned = align(said.audio, text, language=language)
-        found += errors(heard(said), heard(aligned))
-        boundaries += len(heard(said)) - 1
+        found += boundary_errors(heard_in(said), heard_in(aligned))
+        boundaries += len(heard_in(said)) - 1
         warned += has_warning(aligned)
     return row(f"{name}, {voice}, the engine's times", len(texts), found, boundaries, warned)
 
@@ -152,7 +132,10 @@ def main() -> None:
     options = parser.parse_args()
     rows = [german_row(options.data, options.subset or FILES)]
     rows += [engine_row("Finnish", voice, "fi", FINNISH) for voice in ("suopuhe-lj", "suopuhe-mv")]
-    rows += [engine_row("Spanish", "espeak-es", "es", SPANISH)]
+    for tag in known_languages():
+        done = check_language(tag)
+        name = f"{done.language}, espeak-{tag}, the engine's times"
+        rows.append(row(name, done.sentences, done.errors.tolist(), done.boundaries, done.warned))
     page = (
         "# Alignment in other languages\n\nWritten by `python benchmarks/languages.py`"
         f"{'' if options.subset is None else ', a subset'}; definitions stand at its head.\n\n{HEAD}| "

@@ -27,3 +27,14 @@ def shared_data() -> Path:
             pytest.fail(reason)
         pytest.skip(reason)
     return folder
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that ``make test-quick`` leaves out."""
+    listed = Path(__file__).parent / "slow_tests.txt"
+    slow = set(listed.read_text(encoding="utf-8").split("\n")) if listed.is_file() else set()
+    for item in items:
+        where = Path(str(item.path)).relative_to(ROOT).with_suffix("").parts
+        name = getattr(item, "originalname", None) or item.name
+        if f"{'.'.join(where)}::{name.partition('[')[0]}" in slow:
+            item.add_marker(pytest.mark.slow)

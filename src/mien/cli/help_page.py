@@ -15,7 +15,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "faces": ("face",),
     "streams": ("live", "serve", "interpret", "speak", "translate", "perform"),
     "research": ("score", "evaluate", "stimuli", "emotion-table"),
-    "choose from": ("voices", "emotions", "faces", "languages", "formats", "performers"),
+    "choose from": ("voices", "emotions", "faces", "languages", "language", "formats", "performers"),
 }
 """Commands by what they are for, in the order in which they are shown; the others follow under *more*."""
 

@@ -19,6 +19,7 @@ from mien.cli import (
     express_command,
     face_commands,
     inspect_command,
+    language_command,
     learn_command,
     list_commands,
     live_command,
@@ -158,6 +159,7 @@ def _parser() -> argparse.ArgumentParser:
     stimuli_command.add_commands(commands)
 
     list_commands.add_commands(commands)
+    language_command.add_command(commands)
     warm_up_command.add_command(commands)
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
 from dataclasses import replace
 
 from mien.core.errors import InputError, Note
 from mien.text.languages.espeak_program import ask_espeak
 from mien.text.languages.language import Language
+from mien.text.languages.pinyin import with_tone_digits
 from mien.text.languages.tokens import Token, tokens_of
 from mien.text.spoken_text import SpokenText, SpokenWord
 
@@ -27,15 +28,16 @@ def read_with_espeak(text: str, language: Language) -> SpokenText:
         If eSpeak NG is not installed.
     """
     short = language.table.get("abbreviations", {})
+    _refuse_unreadable(text, language)
     tokens = list(tokens_of(text, short))
-    spelled = [word for token in tokens for word in _words_of(token, short)]
+    spelled = [word for token in tokens for word in _words_of(token, language)]
     if not spelled:
         raise InputError(f"nothing in the text {text.strip()[:40]!r} can be spoken: give at least one word or number")
     answers = iter(ask_espeak({"voice": language.espeak, "words": spelled}, f"espeak-{language.tag}")[0]["words"])
     words: list[SpokenWord] = []
     dropped: list[str] = []
     for token in tokens:
-        said = [(word, tuple(filter(None, map(_without_stress, next(answers))))) for word in _words_of(token, short)]
+        said = [(word, tuple(filter(None, map(_without_stress, next(answers))))) for word in _words_of(token, language)]
         spoken = [SpokenWord(word.lower(), token.start, token.end, "", phones) for word, phones in said if phones]
         for phone in (phone for _, phones in said for phone in phones):
             language.segments(phone)  # a phone that is in no table is refused now, with a message that names it
@@ -49,10 +51,18 @@ def read_with_espeak(text: str, language: Language) -> SpokenText:
     return SpokenText(text, tuple(words), notes)
 
 
-def _words_of(token: Token, short: Mapping[str, str]) -> list[str]:
+def _words_of(token: Token, language: Language) -> list[str]:
     """What is said for a piece of text: itself, or the words that a short form stands for."""
-    return short.get(token.text.lower(), token.text).split()
+    words: list[str] = language.table.get("abbreviations", {}).get(token.text.lower(), token.text).split()
+    return [with_tone_digits(word) for word in words] if language.table.get("pinyin") else words
+
+
+def _refuse_unreadable(text: str, language: Language) -> None:
+    table: dict[str, str] = language.table.get("not_read", {})
+    found = re.search(table["pattern"], text) if table else None
+    if found is not None:
+        raise InputError(f"{language.name}: {found.group()!r} cannot be read: {table['instead']}")
 
 
 def _without_stress(phone: str) -> str:
-    return phone.strip("ˈˌ‿ -|")
+    return "" if phone.startswith("(") else phone.strip("ˈˌ‿ -|")  # "(en)": another language's word follows

@@ -22,7 +22,8 @@ __all__ = ["ENGLISH", "Language", "Segment", "find_language", "known_languages",
 ENGLISH = "en-US"
 _COMMON = ("ascii", "ipa")
 _READERS = ("letters", "espeak")
-_MARKS = "ːˑˈˌ.ʰʲʷʼ˞‿"
+_CEDILLA = "\u0327"  # part of a letter, as in ç
+_MARKS = "ːˑˈˌ.ʰʲʷʼ˞‿-"
 
 
 @dataclass(frozen=True)
@@ -84,10 +85,11 @@ class Language:
         >>> [segment.heard for segment in find_language("de").segments("pf")]
         ['P', 'F']
         """
-        for sign in (phone, plain_sign(phone)):
+        plain = plain_sign(phone)
+        for sign in (phone, plain, plain.rstrip(self.table.get("tones", ""))):
             if sign in self._segments:
                 return self._segments[sign]
-        return self._cut(plain_sign(phone), phone)
+        return self._cut(plain.rstrip(self.table.get("tones", "")), phone)
 
     def _cut(self, sign: str, phone: str) -> tuple[Segment, ...]:
         """A sign that is in no table, cut into the longest ones that are."""
@@ -106,11 +108,11 @@ def plain_sign(phone: str) -> str:
 
     Examples
     --------
-    >>> plain_sign("ˈyː"), plain_sign("t͡s"), plain_sign("ɔ̃"), plain_sign("ç")
-    ('y', 'ts', 'ɔ', 'ç')
+    >>> plain_sign("ˈyː"), plain_sign("t͡s"), plain_sign("ɔ̃"), plain_sign("õ"), plain_sign("ç")
+    ('y', 'ts', 'ɔ', 'o', 'ç')
     """
-    kept = (char for char in unicodedata.normalize("NFC", phone) if char not in _MARKS)
-    return "".join(char for char in kept if unicodedata.category(char) != "Mn")
+    kept = (char for char in unicodedata.normalize("NFD", phone) if char not in _MARKS)
+    return unicodedata.normalize("NFC", "".join(c for c in kept if c == _CEDILLA or unicodedata.category(c) != "Mn"))
 
 
 def known_languages() -> tuple[str, ...]:
@@ -119,7 +121,7 @@ def known_languages() -> tuple[str, ...]:
     Examples
     --------
     >>> known_languages()
-    ('de', 'es', 'fi')
+    ('cs', 'de', 'el', 'es', 'fi', 'fr', 'it', 'ja', 'nl', 'pl', 'pt', 'ru', 'sv', 'tr', 'zh')
     """
     return tuple(tag for tag in assets_in("languages") if tag not in _COMMON)
 

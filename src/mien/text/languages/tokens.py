@@ -9,7 +9,22 @@ from dataclasses import dataclass
 
 __all__ = ["Token", "is_from_other_script", "tokens_of"]
 
-_MARKS = {"…": ".", "—": "-", "–": "-", ")": ",", "(": ",", "¿": "", "¡": ""}
+_MARKS = {
+    "…": ".",
+    "—": "-",
+    "–": "-",
+    ")": ",",
+    "(": ",",
+    "¿": "",
+    "¡": "",
+    "。": ".",
+    "、": ",",
+    "，": ",",
+    "？": "?",
+    "！": "!",
+    "：": ":",
+    "；": ";",
+}
 _RANK = "-,;:!?."
 _BEFORE = "\"'“”„«»‘’([{¿¡-–—−*_"
 _AFTER = "\"'“”«»‘’)]}.,;:!?…-–—*_"
@@ -36,7 +51,7 @@ def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
     >>> [(token.text, token.pause) for token in tokens_of("Hei, esim. näin!", {"esim."})]
     [('Hei', ','), ('esim.', ''), ('näin', '!')]
     """
-    for match in re.finditer(r"[^ \t\r\f\v]+", text.replace("\n", " ")):
+    for match in re.finditer(r"[^ \t\r\f\v]+?(?:[。、，？！：；]+|(?=[ \t\r\f\v]|$))", text.replace("\n", " ")):
         piece = match.group()
         front = len(piece) - len(piece.lstrip(_BEFORE))
         if piece[front - 1 : front] in ("-", "−") and piece[front : front + 1].isdigit():

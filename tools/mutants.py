@@ -1,0 +1,175 @@
+"""Does a test notice a changed line? Changes one thing at a time in the core rooms and runs the tests of that module.
+
+    python tools/mutants.py --number 200 --seed 1        half an hour on two cores (`make mutants`)
+    python tools/mutants.py --module mien.core.timeline    all of one module
+
+A mutant is a comparison, a sign, a number, a truth value or a boundary that is another one. It is killed if a doctest
+of the module, the test file that mirrors it, or one that names it fails, or hangs. It works on a copy: the files of the
+project are never touched.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+ROOMS = ("core", "text", "animation", "motion", "metrics", "pipeline")
+SECONDS = 120
+_COMPARED = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
+_WORKED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change: the n-th thing in a file that can be changed."""
+
+    path: Path
+    number: int
+    line: int
+    was: str
+    text: str
+
+
+class _Changing(ast.NodeTransformer):
+    """Changes the thing of one number; counts all."""
+
+    def __init__(self, number: int) -> None:
+        self.number, self.count, self.place = number, 0, (0, "")
+
+    def _mine(self, node: ast.expr | ast.stmt, was: str) -> bool:
+        self.count += 1
+        if self.count - 1 == self.number:
+            self.place = node.lineno, was
+            return True
+        return False
+
+    def visit_Compare(self, node: ast.Compare) -> ast.AST:
+        self.generic_visit(node)
+        other = _COMPARED.get(type(node.ops[0]))
+        if other is not None and self._mine(node, ast.unparse(node)):
+            node.ops[0] = other()
+        return node
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        other = _WORKED.get(type(node.op))
+        text = isinstance(node.left, ast.Constant | ast.JoinedStr) and not isinstance(
+            getattr(node.left, "value", None), int | float
+        )
+        if other is not None and not text and self._mine(node, ast.unparse(node)):
+            node.op = other()
+        return node
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        self.generic_visit(node)
+        if self._mine(node, ast.unparse(node)):
+            node.op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
+        return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        if type(node.value) in (int, float) and self._mine(node, repr(node.value)):
+            return ast.copy_location(ast.Constant(node.value + 1), node)
+        if type(node.value) is bool and self._mine(node, repr(node.value)):
+            return ast.copy_location(ast.Constant(not node.value), node)
+        return node
+
+    def visit_Expr(self, node: ast.Expr) -> ast.AST:
+        return node if isinstance(node.value, ast.Constant) else self.generic_visit(node)
+
+
+def mutants_of(path: Path) -> Iterator[Mutant]:
+    """All of a file; tables of constants at its top and annotations are left alone."""
+    source = path.read_text(encoding="utf-8")
+    number = 0
+    while True:
+        tree, change = ast.parse(source), _Changing(number)
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                change.visit(node)
+        if change.place == (0, ""):
+            return
+        yield Mutant(path, number, *change.place, ast.unparse(ast.fix_missing_locations(tree)))
+        number += 1
+
+
+def tests_of(path: Path) -> list[str]:
+    """Where the module is tested: itself (doctests), its mirror, and test files that import it."""
+    module = ".".join(path.relative_to(ROOT / "src").with_suffix("").parts)
+    parent, name = module.rpartition(".")[::2]
+    said = (f"from {module} import", f"import {module}\n", f"from {parent} import {name}\n")
+    files = [
+        test
+        for test in sorted((ROOT / "tests").rglob("test_*.py"))
+        if any(form in test.read_text(encoding="utf-8") for form in said) or test.name == f"test_{name}.py"
+    ]
+    mirror = [test for test in files if test.name == f"test_{name}.py"]
+    return [str(test.relative_to(ROOT)) for test in (*mirror, *(test for test in files if test not in mirror))][:6]
+
+
+def survives(mutant: Mutant, copy: Path) -> bool:
+    """Whether all tests pass with the change in."""
+    target = copy / mutant.path.relative_to(ROOT)
+    kept = target.read_text(encoding="utf-8")
+    target.write_text(mutant.text, encoding="utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        str(target),
+        *tests_of(mutant.path),
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=SECONDS, check=False)
+        return done.returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+    finally:
+        target.write_text(kept, encoding="utf-8")
+
+
+def main() -> None:
+    """Make mutants, run their tests, print the survivors and the share that was killed."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--number", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--module", help="only this one, such as mien.core.timeline, and all of its mutants")
+    options = parser.parse_args()
+    if options.module:
+        files = [ROOT / "src" / (options.module.replace(".", "/") + ".py")]
+    else:
+        files = sorted(path for room in ROOMS for path in (ROOT / "src/mien" / room).rglob("*.py"))
+    found = [mutant for path in files for mutant in mutants_of(path) if tests_of(path)]
+    if not options.module:
+        found = random.Random(options.seed).sample(found, min(options.number, len(found)))
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder)
+        for name in ("src", "tests", "tools", "benchmarks", "examples", "docs"):
+            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        for name in ("pyproject.toml", "README.md", "constraints.txt"):
+            shutil.copy(ROOT / name, copy / name)
+        alive = 0
+        for done, mutant in enumerate(found, start=1):
+            if survives(mutant, copy):
+                alive += 1
+                where = f"{mutant.path.relative_to(ROOT)}:{mutant.line}"
+                print(f"{done}/{len(found)} survived: {where}: {mutant.was[:80]}", flush=True)
+        print(f"{len(found) - alive} of {len(found)} mutants killed ({(len(found) - alive) / max(len(found), 1):.0%})")
+
+
+if __name__ == "__main__":
+    main()

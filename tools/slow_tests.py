@@ -1,0 +1,37 @@
+"""Write tests/slow_tests.txt, which `make test-quick` leaves out, from the times of a whole run.
+
+    python tools/slow_tests.py test-times.xml      (what `make slow-tests` does)
+
+The slowest tests are named, one by one, until what is left fits into `SECONDS` on the machine that was measured.
+"""
+
+from __future__ import annotations
+
+import argparse
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+SECONDS = 80.0  # of processor time, shared by two processes that also start and collect
+OUT = Path(__file__).parent.parent / "tests" / "slow_tests.txt"
+
+
+def main() -> None:
+    """Name the slowest tests until the others fit."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("times", type=Path, help="JUnit report of a whole run")
+    times: dict[str, float] = {}
+    for case in ElementTree.parse(parser.parse_args().times).getroot().iter("testcase"):
+        name = f"{case.get('classname', '')}::{case.get('name', '').partition('[')[0]}"
+        times[name] = times.get(name, 0.0) + float(case.get("time", 0))
+    left, slow = sum(times.values()), []
+    for name in sorted(times, key=lambda name: -times[name]):
+        if left <= SECONDS:
+            break
+        slow.append(name)
+        left -= times[name]
+    OUT.write_text("".join(f"{name}\n" for name in sorted(slow)), encoding="utf-8")
+    print(f"{len(slow)} of {len(times)} tests are slow; the others take {left:.0f} s one after another")
+
+
+if __name__ == "__main__":
+    main()
