@@ -5,6 +5,8 @@
 # make mutants  a sample of changed lines: does a test notice?
 # make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
+# make blender            the Blender extension, dist/mien_blender-*.zip (docs/blender.md)
+# make setup-blender      Blender as a Python module (350 MB, GPL, a program apart) for the tests of the extension and FBX
 # make setup-festival   Festival with its English and Finnish voices, a separate program (Debian, Ubuntu; needs root)
 
 PYTHON ?= python3
@@ -21,7 +23,7 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: setup-festival demo test test-quick slow-tests mutants check format wheel sheets page fuzz clean
+.PHONY: setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -83,6 +85,16 @@ setup-festival:
 	apt-get update -qq
 	DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(FESTIVAL)
 
+BPY ?= 4.5.15
+setup-blender: .venv-blender/.bpy-$(BPY)
+.venv-blender/.bpy-$(BPY):
+	$(PYTHON) -m venv .venv-blender
+	.venv-blender/bin/python -m pip --disable-pip-version-check install --quiet bpy==$(BPY)
+	@touch $@
+
+blender: $(VENV)/.core
+	@$(BIN)/python blender/build.py
+
 sheets: $(VENV)/.dev
 	$(BIN)/python tools/render_sheets.py --out docs/pictures
 	$(BIN)/mien inspect default -o docs/pictures/performer
@@ -92,7 +104,7 @@ page: studio/node_modules/.mien-lock
 	cd studio && npm run types && npm run build
 
 clean:
-	rm -rf $(VENV) $(DEMO) build dist
+	rm -rf $(VENV) .venv-blender $(DEMO) build dist
 
 MINUTES ?= 60
 fuzz: $(VENV)/.dev

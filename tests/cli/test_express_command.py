@@ -66,6 +66,12 @@ def test_over_a_live_link_recording_with_mpeg4_parameters(line: Path, tmp_path: 
     assert felt[-1] > plain[-1] + 0.4
 
 
+def test_without_an_emotion_the_motion_is_written_in_another_format(line: Path) -> None:
+    assert main(["express", str(line), "-o", str(line.with_name("same.json"))]) == 0
+    was, now = read_native(line), read_native(line.with_name("same.json"))
+    np.testing.assert_array_equal(now.channels.values, was.channels.values)
+
+
 def test_imported_motion_keeps_its_frames() -> None:
     track = ChannelTrack(("jawOpen",), np.linspace(0, 1, 7)[:, None], FrameRate.of(25))
     animation = imported(track, "elsewhere")

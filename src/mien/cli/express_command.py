@@ -16,14 +16,17 @@ Finish = Callable[[Any, Any, argparse.Namespace], int]
 
 def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     """Add ``mien express`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
-    express = commands.add_parser("express", help="lay an expression over an animation or a Live Link recording")
+    express = commands.add_parser(
+        "express", help="lay an expression over an animation or a Live Link recording, or write it in another format"
+    )
     express.add_argument("motion", metavar="MOTION", help="a native animation (.json) or a Live Link Face .csv")
     express.add_argument(
         "--emotion",
         metavar="NAME[:0..1]",
         action="append",
-        required=True,
-        help="as for 'mien say' (repeatable), or a .csv of MPEG-4 expression parameters",
+        default=[],
+        help="as for 'mien say' (repeatable), or a .csv of MPEG-4 expression parameters; without one the motion is "
+        "written as it is, in another format or on another face",
     )
     express.add_argument("-o", "--output", metavar="OUT", required=True, help="file to write; its suffix says what")
     express.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")

@@ -8,6 +8,7 @@ turns. Frame 1 of the file is frame 0 of the animation and the start of the soun
 from __future__ import annotations
 
 import math
+import struct
 import tempfile
 from pathlib import Path
 
@@ -111,8 +112,8 @@ def write_c3d(
     )
     if sound:
         samples, rate = _sound(animation, len(markers))
-        file["parameters"]["ANALOG"]["RATE"]["value"] = [rate]
-        file["parameters"]["ANALOG"]["LABELS"]["value"] = ["Audio"]
+        analog = file["parameters"]["ANALOG"]
+        analog["RATE"]["value"], analog["LABELS"]["value"] = [rate], ["Audio"]
         file["data"]["analogs"] = samples[None, None]
     file.add_parameter("MANUFACTURER", "SOFTWARE", ["mien"])
     file.add_parameter("MANUFACTURER", "VERSION_LABEL", [animation.provenance.version])
@@ -124,10 +125,46 @@ def write_c3d(
     with tempfile.TemporaryDirectory() as folder:  # the library opens no path beyond ASCII on every system
         made = Path(folder) / "a.c3d"
         file.write(str(made))
-        content = made.read_bytes()
+        content = _with_analog_arrays(made.read_bytes())
     with replace_when_complete(path) as unfinished:
         unfinished.write_bytes(content)
     return notes
+
+
+def _with_analog_arrays(content: bytes) -> bytes:
+    """``ANALOG:SCALE`` and ``OFFSET`` of a single channel as arrays of one, as the user guide has them.
+
+    ezc3d writes one number without dimensions, which other readers (PyPI's ``c3d``) refuse. A parameter is: length of
+    its name, group, name, bytes to the next one, type, number of dimensions, dimensions, values, description.
+    """
+    begin = 512 * (content[0] - 1)
+    blocks = content[begin + 2]
+    out, place = bytearray(content[begin : begin + 4]), begin + 4
+    groups: dict[str, int] = {}
+    data_start = None
+    while content[place]:
+        (count, group), name_at = struct.unpack_from("bb", content, place), place + 2
+        step_at = name_at + abs(count)
+        name = content[name_at:step_at].decode("ascii", "replace")
+        (step,) = struct.unpack_from("<h", content, step_at)
+        rest = content[step_at + 2 : step_at + step]
+        if group < 0:
+            groups[name] = -group
+        elif group == groups.get("ANALOG") and name in ("SCALE", "OFFSET") and rest[1] == 0:
+            rest = rest[:1] + b"\x01\x01" + rest[2:]
+        elif group == groups.get("POINT") and name == "DATA_START":
+            data_start = len(out) + 2 + abs(count) + 2 + 2
+        out += content[place:step_at] + struct.pack("<h", len(rest) + 2) + rest
+        place = step_at + step
+    needed = -(-(len(out) + 1) // 512)
+    header = bytearray(content[:begin])
+    if needed > blocks and data_start is not None:
+        out[2] = needed
+        first = struct.unpack_from("<H", header, 16)[0] + needed - blocks
+        struct.pack_into("<H", header, 16, first)
+        struct.pack_into("<h", out, data_start, first)
+    out += bytes(512 * max(needed, blocks) - len(out))
+    return bytes(header) + bytes(out) + content[begin + 512 * blocks :]
 
 
 def _sound(animation: Animation, frames: int) -> tuple[Floats, float]:

@@ -12,6 +12,7 @@ import base64
 import copy
 import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,10 @@ from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import local_matrix, parts_of
 from mien.formats.turning_nodes import turns_of_nodes
 
-__all__ = ["drive_glb"]
+__all__ = ["NAME", "drive_glb"]
+
+NAME = "mien"
+"""Of the animation: the first of the file, since players that are not asked play the first."""
 
 _PICTURES = {
     ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".webp": "image/webp", ".ktx2": "image/ktx2",
@@ -42,7 +46,9 @@ def drive_glb(
     path: str | Path,
     names: OwnNames | str | Path | None = None,
 ) -> tuple[Note, ...]:
-    """Write a face again with the weights of a track, and its head and eyes turning, as one more animation.
+    """Write a face again with the weights of a track, and its head and eyes turning, as the first of its animations.
+
+    An animation that an earlier run of mien put there is replaced; others are kept.
 
     Parameters
     ----------
@@ -83,6 +89,7 @@ def drive_glb(
 
 def _add_animation(track: ChannelTrack, face: ForeignFace, keys: _Keys) -> tuple[Note, ...]:
     document = keys.document
+    keys.forget_animations(_ours)
     times = keys.add(track.rate.times(len(track)).astype(np.float32), "SCALAR", bounds=True)
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
@@ -104,11 +111,19 @@ def _add_animation(track: ChannelTrack, face: ForeignFace, keys: _Keys) -> tuple
     if not any(channel["target"]["path"] == "weights" for channel in channels):
         raise InputError(f"{face.document.path}: no node shows the meshes that could move")
     there = document.setdefault("animations", [])
-    there.append({"name": "mien", "channels": channels, "samplers": samplers})
+    there.insert(0, {"name": NAME, "channels": channels, "samplers": samplers})
     if len(there) > 1:
-        told = f"the file has {len(there) - 1} animation(s) of its own, kept; the performance is the last, named 'mien'"
+        told = (
+            f"the file has {len(there) - 1} animation(s) of its own, kept; the performance is the first, named {NAME!r}"
+        )
         notes = (*notes, Note("note", told))
     return notes
+
+
+def _ours(animation: dict[str, Any]) -> bool:
+    """Whether an earlier run of mien made an animation: by its name, or by what mien's own faces note in it."""
+    extras = animation.get("extras")
+    return animation.get("name") == NAME or (isinstance(extras, dict) and "mien" in extras)
 
 
 def _without_matrix(node: dict[str, Any]) -> None:
@@ -118,6 +133,18 @@ def _without_matrix(node: dict[str, Any]) -> None:
         if parts is not None:
             del node["matrix"]
             node["translation"], node["rotation"], node["scale"] = parts
+
+
+_USE_ACCESSORS = {"input", "output", "indices", "inverseBindMatrices", "attributes", "targets", "TRANSLATION"}
+
+
+def _numbers_of(tree: Any, names: set[str], under: bool = False) -> set[int]:
+    """Whole numbers that stand under one of the names anywhere in a document: what is referred to."""
+    if isinstance(tree, dict):
+        return {n for name, value in tree.items() for n in _numbers_of(value, names, under or name in names)}
+    if isinstance(tree, list):
+        return {n for value in tree for n in _numbers_of(value, names, under)}
+    return {tree} if under and isinstance(tree, int) and not isinstance(tree, bool) else set()
 
 
 class _Keys:
@@ -158,6 +185,23 @@ class _Keys:
                 kind = _PICTURES.get(Path(uri.partition("?")[0]).suffix.lower(), "image/png")
                 image["bufferView"] = self._view(data)
                 image.setdefault("mimeType", kind)
+
+    def forget_animations(self, which: Callable[[dict[str, Any]], bool]) -> None:
+        """Take animations out, with their keys where those are the last things in the file."""
+        animations = self.document.get("animations", [])
+        if not any(map(which, animations)):
+            return
+        self.document["animations"] = [animation for animation in animations if not which(animation)]
+        accessors, views = self.document.get("accessors", []), self.document.get("bufferViews", [])
+        used = _numbers_of({k: v for k, v in self.document.items() if k != "accessors"}, _USE_ACCESSORS)
+        while accessors and len(accessors) - 1 not in used and "sparse" not in accessors[-1]:
+            accessors.pop()
+        used = _numbers_of(self.document, {"bufferView"})
+        while views and len(views) - 1 not in used and views[-1].get("buffer") == self.ours:
+            if views[-1].get("byteOffset", 0) + views[-1]["byteLength"] + 3 < len(self.data):
+                break
+            del self.data[views[-1].get("byteOffset", 0) :]
+            views.pop()
 
     def add(self, values: NDArray[np.float32], kind: str, bounds: bool = False) -> int:
         """Append an array of float32; returns the number of its accessor."""

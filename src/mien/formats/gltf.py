@@ -7,9 +7,9 @@
     │   └── head            joint at the head's pivot; its rotation is animated
     │       ├── eye_left    the eyeball about its own centre; its rotation is animated
     │       └── eye_right
-    face                    skinned mesh of trunk and head: skin, teeth, lashes, brows; 52 ARKit morph targets, then
-                            those of `mien.core.channels.MUSCLES` that the face has
-    tongue                  skinned mesh: the 52 targets, then those of `mien.core.channels.TONGUE`
+    ├── face                skinned mesh of trunk and head: skin, teeth, lashes, brows; 52 ARKit morph targets, then
+    │                       those of `mien.core.channels.MUSCLES` that the face has
+    └── tongue              skinned mesh: the 52 targets, then those of `mien.core.channels.TONGUE`
 
 Morph targets carry the names of `mien.core.channels` in ``mesh.extras.targetNames``. Targets are sparse accessors;
 every channel has one, an empty one costs no bytes. One ``weights`` track per mesh drives them, one key per frame,
@@ -91,15 +91,17 @@ class _Builder:
         trunk = self._add_node(name="trunk", children=[head])
         root = self._add_node(name="mien", children=[trunk])
         meshes = self._add_skinned_meshes()
+        self.nodes[root]["children"] += [node for node, _ in meshes]
+        skin = self._skin(trunk, head)
         motion = self._animation(animation, head, eyes, meshes)
         extras = {"mien": playing_facts(animation)}
         document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": f"mien {animation.provenance.version}", "extras": extras},
             "scene": 0,
-            "scenes": [{"name": self.face.name, "nodes": [root, *(node for node, _ in meshes)]}],
+            "scenes": [{"name": self.face.name, "nodes": [root]}],
             "nodes": self.nodes,
             "meshes": self.meshes,
-            "skins": [self._skin(trunk, head)],
+            "skins": [skin],
             "animations": [motion | {"extras": extras}],
             "materials": self.materials,
             "accessors": self.buffer.accessors,

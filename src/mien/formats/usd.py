@@ -33,6 +33,7 @@ from mien.core.files import replace_when_complete
 from mien.face.model import Eye, Face, Material, Part
 from mien.face.posing import eye_rotation, head_rotation
 from mien.formats.face_motion import TargetNormals, linear_light, lost_tree, playing_facts, quaternions
+from mien.formats.tinted_picture import tinted_picture
 
 __all__ = ["check_usd", "companion_folder", "write_usd"]
 
@@ -170,7 +171,7 @@ class _Stage:
         self.files: dict[str, bytes] = {}
         self.stage = Usd.Stage.CreateInMemory()
         self._normals = TargetNormals(face)
-        self._materials: dict[int, Any] = {}
+        self._materials: dict[tuple[int, str], Any] = {}
         self._names, self._joint_names = _Identifiers(), _Identifiers()
         self._eyes = [(eye, self._joint(eye)) for eye in face.eyes]
         self._channels = [n for n in WEIGHTS if any(n in part.targets for part in face.parts)]
@@ -346,8 +347,10 @@ class _Stage:
         from pxr import Sdf, Tf, UsdShade
 
         material = part.material
-        if id(material) in self._materials:
-            return self._materials[id(material)]
+        picture = tinted_picture(part)
+        key = (id(material), "" if picture is material.texture else part.name)  # a tint is the part's own
+        if key in self._materials:
+            return self._materials[key]
         if not self._materials:
             self.stage.DefinePrim("/mien/materials", "Scope")
         path = f"/mien/materials/{self._names.fresh(Tf.MakeValidIdentifier(f'{material.name}_surface'))}"
@@ -357,16 +360,16 @@ class _Stage:
         shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(float(material.roughness))
         shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
         colour = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
-        colour.ConnectToSource(self._colour_source(path, material))
+        colour.ConnectToSource(self._colour_source(path, material, picture))
         made.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
-        self._materials[id(material)] = made
+        self._materials[key] = made
         return made
 
-    def _colour_source(self, path: str, material: Material) -> Any:
+    def _colour_source(self, path: str, material: Material, texture: NDArray[np.uint8] | None) -> Any:
         from pxr import Gf, Sdf, UsdShade
 
         reader = UsdShade.Shader.Define(self.stage, f"{path}/reader")
-        if material.texture is None:
+        if texture is None:
             reader.CreateIdAttr("UsdPrimvarReader_float3")
             reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
             return reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
@@ -374,7 +377,7 @@ class _Stage:
         reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
         picture = UsdShade.Shader.Define(self.stage, f"{path}/picture")
         picture.CreateIdAttr("UsdUVTexture")
-        picture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(self._picture(material))
+        picture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(self._picture(material.name, texture))
         picture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set("sRGB")
         tint = linear_light(np.array(material.colour))
         picture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set(Gf.Vec4f(*(float(c) for c in tint), 1.0))
@@ -384,22 +387,20 @@ class _Stage:
         picture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(coordinates)
         return picture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
 
-    def _picture(self, material: Material) -> str:
+    def _picture(self, title: str, texture: NDArray[np.uint8]) -> str:
         from PIL import Image
         from pxr import Tf
 
-        if material.texture is None:
-            raise ValueError(f"material {material.name!r} has no picture")
         stream = io.BytesIO()
-        picture = Image.fromarray(np.ascontiguousarray(material.texture))
+        picture = Image.fromarray(np.ascontiguousarray(texture))
         picture.save(stream, "JPEG", quality=_JPEG_QUALITY, subsampling=0)
         content = stream.getvalue()
         for name, held in self.files.items():
             if held == content:  # both eyes show one picture
                 return self.folder + name
-        name = f"{Tf.MakeValidIdentifier(material.name)}.jpg"
+        name = f"{Tf.MakeValidIdentifier(title)}.jpg"
         if name in self.files:
-            name = f"{Tf.MakeValidIdentifier(material.name)}_{len(self.files)}.jpg"
+            name = f"{Tf.MakeValidIdentifier(title)}_{len(self.files)}.jpg"
         self.files[name] = content
         return self.folder + name
 

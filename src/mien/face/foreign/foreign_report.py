@@ -185,7 +185,7 @@ class FaceReport:
             told.append("its visemes stand in for much of the speech shapes that it lacks:")
         told += [f"no {', '.join(lost.channels)} ({lost.weight}): {lost.words}" for lost in self.missing]
         if self.animations:
-            told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes last")
+            told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes first")
         told.append(f"drawing (.mp4, .png): {self.not_drawn or 'yes'}")
         return told
 
