@@ -14,9 +14,13 @@ __all__ = ["add_command"]
 
 def add_command(kinds: Any) -> None:
     """Add ``mien face fit`` to the face commands."""
-    parser = kinds.add_parser("fit", help="give a bare head mesh the 52 ARKit shapes through a few landmarks")
+    parser = kinds.add_parser("fit", help="give a bare head mesh the 52 ARKit shapes")
     parser.add_argument("mesh", metavar="HEAD.obj", nargs="?", help="the head: .obj, .ply or .glb, any unit and axes")
-    parser.add_argument("--landmarks", metavar="POINTS", help=".csv, .json or .toml: names with places or vertices")
+    parser.add_argument(
+        "--landmarks",
+        metavar="POINTS",
+        help=".csv, .json or .toml: names with places or vertices, as hints (default: found without)",
+    )
     parser.add_argument("-o", "--output", metavar="FACE.npz", help="the face to write, for --face FACE.npz")
     parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
     parser.add_argument("--texture", metavar="PICTURE", help="the picture that the mesh's texture places are for")
@@ -38,13 +42,9 @@ def _fit(options: argparse.Namespace) -> int:
 
     if options.list_landmarks:
         return _list_landmarks()
-    missing = [
-        name
-        for name, value in (("HEAD.obj", options.mesh), ("--landmarks", options.landmarks), ("-o", options.output))
-        if value is None
-    ]
+    missing = [name for name, value in (("HEAD.obj", options.mesh), ("-o", options.output)) if value is None]
     if missing:
-        raise InputError(f"mien face fit needs HEAD.obj, --landmarks and -o; missing: {', '.join(missing)}")
+        raise InputError(f"mien face fit needs HEAD.obj and -o; missing: {', '.join(missing)}")
     path = check_writable(options.output)
     if path.suffix.lower() != ".npz":
         raise InputError(f"-o {path}: a face file ends in .npz (a GLB: --also X.glb)")
@@ -87,7 +87,7 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
     from mien.fit.landmarks import read_landmarks
     from mien.fit.mesh_files import read_mesh
 
-    landmarks = read_landmarks(options.landmarks)
+    landmarks = read_landmarks(options.landmarks) if options.landmarks else {}
     mesh = read_mesh(options.mesh, options.texture)
     done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, added, options.mesh)
     write_face(done.face, path)
@@ -121,7 +121,7 @@ def _report(done: FittedHead, landmarks: int) -> str:
     from mien.fit.head_regions import region_distances
 
     unit = f"in {done.alignment.unit}" if done.alignment.unit else "of no human size, scaled"
-    lines = [f"landmarks: {landmarks}; the mesh is {unit}; vertices: {len(done.kept)}"]
+    lines = [f"landmarks: {landmarks or 'found'}; the mesh is {unit}; vertices: {len(done.kept)}"]
     lines.append("default skin on the head, mean / 95 % distance in mm, and share of the region that was matched:")
     for region, (mean, high, share) in region_distances(done.fit).items():
         told = "no match" if np.isnan(mean) else f"{mean:.2f} / {high:.2f}"

@@ -19,10 +19,12 @@ from mien.face.surface import Surface
 from mien.face.warps import Similarity
 from mien.fit.alignment import Alignment, align
 from mien.fit.eye_cut import cut_out_eye, eye_patch
-from mien.fit.head_mesh import HeadMesh, prepared_mesh
+from mien.fit.head_mesh import HeadMesh, outward, prepared_mesh
 from mien.fit.head_parts import ADDED, DEFAULT_ADDED, GivenMesh, HeadParts
-from mien.fit.landmarks import places_of_landmarks
+from mien.fit.head_search import find_head
+from mien.fit.landmarks import needed_landmarks, places_of_landmarks
 from mien.fit.lip_cut import cut_apart, joined_share
+from mien.fit.piece_motion import PieceMotion
 from mien.fit.shape_transfer import Carried, carry_over, filled
 from mien.fit.surface_fit import FitSettings, SurfaceFit, fit_surface
 
@@ -68,7 +70,7 @@ class FittedHead:
 
 def fit_head(
     mesh: GivenMesh,
-    landmarks: Mapping[str, tuple[float, ...]],
+    landmarks: Mapping[str, tuple[float, ...]] | None = None,
     name: str = "head",
     unit: str | None = None,
     added: tuple[str, ...] = DEFAULT_ADDED,
@@ -81,8 +83,8 @@ def fit_head(
     ----------
     mesh : GivenMesh
         In any unit and axes.
-    landmarks : mapping of str to 3 numbers (a place) or 1 (a vertex)
-        As `mien.fit.landmarks.read_landmarks` reads them.
+    landmarks : mapping of str to 3 numbers (a place) or 1 (a vertex), optional
+        As `mien.fit.landmarks.read_landmarks` reads them. What is not given of those that are needed is found.
     name : str
         Of the face.
     unit : str, optional
@@ -99,16 +101,30 @@ def fit_head(
         If the landmarks or the mesh cannot be used; the message says which.
     """
     space = head_space()
-    given = places_of_landmarks(landmarks, mesh.vertices, where)
-    alignment = align(given, space, where, unit)
-    places = {key: alignment.to_face(place[None])[0] for key, place in given.items()}
+    given = places_of_landmarks(landmarks or {}, mesh.vertices, where)
+    found: dict[str, Floats] = {}
+    if any(key not in given for key in needed_landmarks()):
+        found = find_head(mesh.vertices, outward(mesh.vertices, mesh.triangles), space, where).places
+        settings = settings or FitSettings(landmark_sigma=3.0, warped=False)
+    alignment = align(found | given, space, where, unit)
+    places = {key: alignment.to_face(place[None])[0] for key, place in (found | given).items()}
     template = alignment.template(space.rest)
     expected = {eye.side: alignment.template(np.array([eye.centre]))[0] for eye in space.face.eyes}
+    set_by_hand = {key: places[key] for key in given}
     head = prepared_mesh(
-        mesh.vertices, mesh.triangles, alignment.to_face, template, space.triangles, expected, places, where
+        mesh.vertices,
+        mesh.triangles,
+        alignment.to_face,
+        template,
+        space.triangles,
+        expected,
+        places,
+        set_by_hand,
+        where,
     )
     surface = Surface(head.vertices, head.welded[head.triangles], head.of("skin"))
-    fit = fit_surface(space, surface, places, alignment, settings)
+    eyes = {p.kind[4:].capitalize(): p.centre for p in head.pieces if p.kind.startswith("eye_")}
+    fit = fit_surface(space, surface, places, alignment, settings, eyes)
     return _Builder(space, mesh, head, fit, alignment, name, added).build()
 
 
@@ -171,7 +187,8 @@ class _Builder:
         seams = self._seams(carried, vertices, welded[triangles])
         lip_gap, lid_gap = self._mend(targets, vertices, seams)
         part = self.parts.skin_part(vertices, triangles, kept, carried, targets)
-        parts, eyes = self.parts.other_parts(cut, carried)
+        motion = PieceMotion(self.head, self.reshaped.face, vertices, targets)
+        parts, eyes = self.parts.other_parts(cut, carried, motion)
         own = self.reshaped.face
         sites = self._sites(vertices, carried)
         face = Face(self.name, (part, *parts), eyes, own.head_pivot, sites, "")
@@ -244,7 +261,7 @@ class _Builder:
     def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Floats]:
         names = list(self.reshaped.targets)
         stack = np.hstack([self.reshaped.targets[name] for name in names])
-        moved = filled(carried, carried.matrix @ stack, triangles)
+        moved = filled(carried.trust, carried.matrix @ stack, triangles)
         return {name: np.ascontiguousarray(moved[:, 3 * i : 3 * i + 3]) for i, name in enumerate(names)}
 
     def _seams(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Seam]:
@@ -307,6 +324,13 @@ class _Builder:
         bare = [side.lower() for side in self.parts.unpainted_eyes()]
         if bare and "eyes" in self.added:
             self.notes.append(Note("note", f"eyeballs without paint replaced by painted ones: {' and '.join(bare)}"))
+        shells = sum(piece.kind == "shell" for piece in self.head.pieces)
+        if shells:
+            self.notes.append(
+                Note("note", f"pieces over the eyeballs (tear lines, shells) left out, they hide the eyes: {shells}")
+            )
+        if self.parts.bare_lashes:
+            self.notes.append(Note("note", "lashes without paint replaced by the default's"))
         for side in self.joined_eyes if "eyes" not in self.added else ():
             told = f"the {side.lower()} eye is one surface with its lids: it cannot turn, and a blink draws it along"
             self.notes.append(Note("warning", told))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -18,26 +19,15 @@ from scipy.spatial import cKDTree
 from mien.core.errors import InputError, Note
 from mien.face.surface import vertex_normals
 from mien.face.warps import Similarity
+from mien.fit.piece_kinds import Piece, kinds_of_pieces
 
-__all__ = ["HeadMesh", "Piece", "prepared_mesh", "sphere_through"]
+__all__ = ["HeadMesh", "outward", "prepared_mesh"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 FARTHEST_MM = 320.0  # from the origin: what a face file can hold
 _OPPOSED = -0.5
-_EYE_NEAR_MM, _EYE_SIZES_MM, _EYE_ROUND = 14.0, (8.0, 26.0), 0.12
-_MOUTH_PIECE_MM = 45.0
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """A connected piece: ``kind`` is "skin", "eye_left", "eye_right", "upper" or "lower" (in the mouth), or "other"."""
-
-    kind: str
-    triangles: NDArray[np.int64]  # numbers
-    centre: Floats  # of an eye: its sphere's; mm
-    radius: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +70,7 @@ def prepared_mesh(
     template_triangles: Indices,
     eyes: Mapping[str, Floats],
     places: Mapping[str, Floats],
+    given: Mapping[str, Floats],
     where: str,
 ) -> HeadMesh:
     """Prepare a mesh as read.
@@ -94,7 +85,7 @@ def prepared_mesh(
     eyes : mapping of "Left", "Right" to ndarray of shape (3,)
         About where the eyeballs' centres are, mm.
     places : mapping of str to ndarray of shape (3,)
-        Landmarks, mm.
+        Landmarks, mm; ``given``: those that someone set, and that must lie on the mesh.
     where : str
         Names the file in errors.
 
@@ -107,11 +98,12 @@ def prepared_mesh(
     points = to_face(vertices)
     triangles = _sound(points, triangles, notes, where)
     points, triangles, kept = _near(points, triangles, notes)
-    _check_landmarks_on_mesh(points, triangles, places, where)
+    if given:
+        _check_landmarks_on_mesh(points, triangles, given, where)
     welded = _welded(points, triangles)
-    label = _components(welded[triangles], len(points))
+    label = _components(triangles, welded)
     triangles = _wound_outward(points, triangles, welded, label, template, template_triangles, notes)
-    pieces = _pieces(points, triangles, label, eyes, places)
+    pieces = kinds_of_pieces(points, triangles, label, eyes, places)
     if not any(piece.kind == "skin" for piece in pieces):
         raise InputError(f"{where}: no piece of the mesh carries the landmarks of the face")
     return HeadMesh(points, triangles, welded, pieces, kept, tuple(notes))
@@ -174,12 +166,40 @@ def _welded(points: Floats, triangles: Indices) -> Indices:
     return welded
 
 
-def _components(triangles: Indices, count: int) -> NDArray[np.int64]:
-    """Number of the connected piece of each triangle."""
-    rows = np.concatenate([triangles[:, 0], triangles[:, 1]])
-    columns = np.concatenate([triangles[:, 1], triangles[:, 2]])
-    graph = sparse.coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), (count, count))
-    return np.asarray(connected_components(graph, directed=False)[1][triangles[:, 0]], dtype=np.int64)
+def _components(triangles: Indices, welded: Indices) -> NDArray[np.int64]:
+    """Number of the connected piece of each triangle.
+
+    Triangles hang together by the vertices they share, and across seams (of texture places) where two of them meet in
+    vertices that lie together; what is only attached to an edge that has its two triangles (lashes) is a piece apart.
+    """
+    label = _connected(triangles[:, [0, 1, 1]], triangles[:, [1, 2, 0]], len(welded))[triangles[:, 0]]
+    joined = welded[triangles]
+    sides = np.sort(np.concatenate([joined[:, [0, 1]], joined[:, [1, 2]], joined[:, [2, 0]]]), axis=1)
+    order = np.lexsort(sides.T)
+    same = (sides[order[1:]] == sides[order[:-1]]).all(axis=1)
+    alone = np.concatenate([[True], ~same]) & np.concatenate([same, [False]])  # the first of two or more
+    pair = np.flatnonzero(alone & ~np.concatenate([same[1:], [False, False]]))  # of exactly two
+    owner = label[order % len(triangles)]
+    count = int(label.max()) + 1
+    return _connected(owner[pair], owner[pair + 1], count)[label]
+
+
+def _connected(one: NDArray[np.integer[Any]], other: NDArray[np.integer[Any]], count: int) -> NDArray[np.int64]:
+    graph = sparse.coo_matrix((np.ones(one.size, dtype=np.int8), (one.ravel(), other.ravel())), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def outward(vertices: Floats, triangles: Indices) -> Indices:
+    """Triangles with those of pieces turned round whose volume, about their own middle, is negative."""
+    extent = float(np.ptp(vertices, axis=0).max()) or 1.0
+    _, first, which = np.unique(np.round(vertices / extent * 1e6), axis=0, return_index=True, return_inverse=True)
+    label = _components(triangles, first[which.ravel()].astype(np.int32))
+    corner = vertices[triangles]
+    facing = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    middle = corner.mean(axis=1)
+    _, label = np.unique(label, return_inverse=True)
+    volume = np.bincount(label, np.einsum("td,td->t", facing, middle - _centres(middle, label)[label]))
+    return np.where((volume < 0)[label][:, None], triangles[:, ::-1], triangles)
 
 
 def _wound_outward(
@@ -222,63 +242,3 @@ def _open_share(triangles: Indices, label: NDArray[np.int64]) -> Floats:
 def _centres(middle: Floats, label: NDArray[np.int64]) -> Floats:
     count = np.maximum(np.bincount(label), 1)
     return np.stack([np.bincount(label, middle[:, axis]) / count for axis in range(3)], axis=1)
-
-
-def sphere_through(points: Floats) -> tuple[Floats, float, float]:
-    """Centre, radius and RMS distance of a sphere by least squares."""
-    middle = points.mean(0)
-    arm = points - middle
-    system = np.c_[2 * arm, np.ones(len(arm))]
-    solution = np.linalg.lstsq(system, (arm**2).sum(1), rcond=None)[0]
-    radius = float(np.sqrt(max(solution[3] + solution[:3] @ solution[:3], 0.0)))
-    left = np.linalg.norm(arm - solution[:3], axis=1) - radius
-    return middle + solution[:3], radius, float(np.sqrt((left**2).mean()))
-
-
-def _pieces(
-    points: Floats,
-    triangles: Indices,
-    label: NDArray[np.int64],
-    eyes: Mapping[str, Floats],
-    places: Mapping[str, Floats],
-) -> tuple[Piece, ...]:
-    # (not the eyes' corners: lashes of their own lie there)
-    wanted = np.array([places[name] for name in places if name.startswith(("nose", "chin", "lip_corner"))])
-    owner = _owner_of(points, triangles, label, wanted)
-    mouth = (places["lip_corner_left"] + places["lip_corner_right"]) / 2
-    order = np.argsort(label, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
-    pieces = []
-    for numbers in groups:
-        number = int(label[numbers[0]])
-        used = points[np.unique(triangles[numbers])]
-        kind, centre, radius = "other", used.mean(0), 0.0
-        if number in owner:
-            kind = "skin"
-        else:
-            kind, centre, radius = _kind_of(used, eyes, mouth)
-        pieces.append(Piece(kind, numbers, centre, radius))
-    return tuple(pieces)
-
-
-def _owner_of(points: Floats, triangles: Indices, label: NDArray[np.int64], wanted: Floats) -> set[int]:
-    """The pieces on which landmarks lie, but for those that carry a few stray ones only."""
-    used, first = np.unique(triangles.ravel(), return_index=True)
-    nearest = first[cKDTree(points[used]).query(wanted)[1]] // 3
-    numbers, times = np.unique(label[nearest], return_counts=True)
-    return {int(number) for number, count in zip(numbers, times, strict=True) if count >= 0.15 * len(wanted)}
-
-
-def _kind_of(used: Floats, eyes: Mapping[str, Floats], mouth: Floats) -> tuple[str, Floats, float]:
-    middle = (used.max(0) + used.min(0)) / 2
-    size = float(np.linalg.norm(used.max(0) - used.min(0)))
-    for side, place in eyes.items():
-        if len(used) >= 12 and np.linalg.norm(middle - place) < _EYE_NEAR_MM:
-            centre, radius, left = sphere_through(used)
-            round_enough = _EYE_SIZES_MM[0] < radius < _EYE_SIZES_MM[1] and left < _EYE_ROUND * radius
-            if round_enough and np.linalg.norm(centre - place) < 1.5 * _EYE_NEAR_MM:
-                return f"eye_{side.lower()}", centre, radius
-    inside = np.abs(middle[0] - mouth[0]) < 15 and np.abs(middle[1] - mouth[1]) < 30
-    if inside and middle[2] < mouth[2] and size < 3 * _MOUTH_PIECE_MM and middle[2] > mouth[2] - 2 * _MOUTH_PIECE_MM:
-        return ("upper" if middle[1] > mouth[1] else "lower"), used.mean(0), 0.0
-    return "other", used.mean(0), 0.0

@@ -12,7 +12,9 @@ from scipy.spatial import cKDTree
 from mien.face.head_reshaping import Reshaped, sparse_target
 from mien.face.head_space import HeadSpace
 from mien.face.model import Eye, Material, Part, Target
-from mien.fit.head_mesh import HeadMesh, Piece
+from mien.fit.head_mesh import HeadMesh
+from mien.fit.piece_kinds import Piece
+from mien.fit.piece_motion import PieceMotion
 from mien.fit.shape_transfer import Carried
 
 __all__ = ["ADDED", "DEFAULT_ADDED", "GivenMesh", "HeadParts"]
@@ -33,7 +35,14 @@ _PARTS = {
     "shirt": ("shirt",),
 }
 _MOUTH_DEPTH_MM = 14.0
-_FOLLOWERS_MM = 12.0  # pieces farther than this from the skin do not move with it
+_OWN = {
+    "upper": Material("teeth", (0.9, 0.87, 0.8), None, 0.25, 0.5),
+    "lower": Material("teeth", (0.9, 0.87, 0.8), None, 0.25, 0.5),
+    "gums": Material("gums", (0.62, 0.3, 0.3), None, 0.35, 0.4),
+    "tongue": Material("tongue", (0.66, 0.33, 0.33), None, 0.4, 0.4),
+    "lash": Material("lashes", (0.1, 0.08, 0.07), None, 0.8, 0.1),
+    "other": Material("other", (0.2, 0.15, 0.12), None, 0.8, 0.1),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +91,12 @@ class HeadParts:
     def unpainted_eyes(self) -> list[str]:
         """Sides of the head's own eyeballs that have no paint."""
         return [side for side, piece in self.eye_pieces.items() if not self._painted(piece)]
+
+    @property
+    def bare_lashes(self) -> bool:
+        """Whether the head has lashes without paint: cards whose hairs were in a picture."""
+        lashes = [piece for piece in self.head.pieces if piece.kind == "lash"]
+        return bool(lashes) and not any(self._painted(piece) for piece in lashes)
 
     def skin_part(
         self,
@@ -132,7 +147,7 @@ class HeadParts:
         share = 1 / np.maximum(away, 1.0)
         return np.asarray((weight[near] * share).sum(1) / share.sum(1), dtype=np.float32)
 
-    def other_parts(self, cut: bool, carried: Carried) -> tuple[tuple[Part, ...], tuple[Eye, ...]]:
+    def other_parts(self, cut: bool, carried: Carried, motion: PieceMotion) -> tuple[tuple[Part, ...], tuple[Eye, ...]]:
         """All but the skin: the head's own pieces and what it is lent; and how its eyeballs turn."""
         own = self.reshaped.face
         parts: list[Part] = []
@@ -146,17 +161,22 @@ class HeadParts:
             if piece is not None and not self._painted(piece) and eye.part in lent:
                 eyes.append(eye)  # an eyeball without paint is replaced by a painted one of its size, in its place
             elif piece is not None:
-                parts.append(self._piece_part(eye.part, [piece], Material("eye", (0.93, 0.9, 0.88), None, 0.1, 0.8)))
+                pieces = [each for each in self.head.pieces if each.kind == piece.kind]
+                parts.append(self._piece_part(eye.part, pieces, Material("eye", (0.93, 0.9, 0.88), None, 0.1, 0.8)))
                 centre = tuple(float(c) for c in piece.centre)
                 eyes.append(replace(eye, centre=centre))  # type: ignore[arg-type]
                 lent.pop(eye.part, None)
             elif eye.part in lent:
                 eyes.append(eye)
-        if kinds & {"upper", "lower"}:
-            for part_name in ("teeth_upper", "teeth_lower", "tongue"):
-                lent.pop(part_name, None)
+        if kinds & {"upper", "lower", "gums"}:
+            lent.pop("teeth_upper", None)
+            lent.pop("teeth_lower", None)
+        if "tongue" in kinds or self._tongue_there():
+            lent.pop("tongue", None)
+        if self.bare_lashes:
+            lent["lashes"] = "lashes"
         parts += [own.part(part_name) for part_name in lent]
-        parts += self._own_pieces()
+        parts += self._own_pieces(motion)
         if "mouth" in self.added and (cut or self._shallow(carried)):
             parts.append(self._piece_of_skin("mouth", self.space.inside_mouth > 0.3))
         if "eyes" in self.added and self.joined_eyes:
@@ -189,31 +209,28 @@ class HeadParts:
             self._head_weight(vertices),
         )
 
-    def _own_pieces(self) -> list[Part]:
-        """Teeth that the head has of its own, rigid or on the jaw; and what follows the skin beside it."""
+    def _own_pieces(self, motion: PieceMotion) -> list[Part]:
+        """Teeth, gums and tongue that the head has of its own, and what follows the skin beside it."""
         parts = []
-        jaw = self.reshaped.face.part("teeth_lower")
-        teeth = Material("teeth", (0.9, 0.87, 0.8), None, 0.25, 0.5)
-        for kind, name in (("upper", "own_upper"), ("lower", "own_lower")):
+        for kind, material in _OWN.items():
             pieces = [piece for piece in self.head.pieces if piece.kind == kind]
-            if not pieces:
-                continue
-            part = self._piece_part(name, pieces, teeth)
-            if kind == "lower":
-                part = replace(part, head_weight=np.ones(len(part.vertices), np.float32), targets=_as_jaw(jaw, part))
-            parts.append(replace(part, head_weight=np.ones(len(part.vertices), np.float32)))
-        others = [piece for piece in self.head.pieces if piece.kind == "other"]
-        if others:
-            part = self._piece_part("other", others, Material("other", (0.45, 0.38, 0.33), None, 0.8, 0.1))
-            parts.append(replace(part, targets=self._following(part)))
+            if pieces and not (kind == "lash" and self.bare_lashes):
+                part = self._piece_part(f"own_{kind}" if kind != "other" else kind, pieces, material)
+                part = replace(part, targets=motion.of(pieces))
+                if kind != "other":
+                    part = replace(part, head_weight=np.ones(len(part.vertices), np.float32))
+                parts.append(part)
         return parts
 
-    def _following(self, part: Part) -> dict[str, Target]:
-        """Hair, brows, collars: what lies close to the skin moves with it."""
-        away, near = cKDTree(self.skin).query(part.vertices)
-        share = np.clip(2 - away / (_FOLLOWERS_MM / 2), 0, 1)[:, None]
-        found = {name: sparse_target(offsets[near] * share) for name, offsets in self.reshaped.targets.items()}
-        return {name: target for name, target in found.items() if target is not None}
+    def _tongue_there(self) -> bool:
+        """Whether gums of one piece reach where the tongue lies."""
+        gums = [piece.triangles for piece in self.head.pieces if piece.kind == "gums"]
+        if not gums:
+            return False
+        points = self.head.vertices[np.unique(self.head.triangles[np.concatenate(gums)])]
+        tongue = self.reshaped.face.part("tongue").vertices
+        away = cKDTree(points).query(tongue[tongue[:, 2] > np.median(tongue[:, 2])])[0]
+        return bool(np.median(away) < 7.0)
 
     def _shallow(self, carried: Carried) -> bool:
         """Whether the head has no inside of the mouth worth the name."""
@@ -241,18 +258,3 @@ class HeadParts:
             name, skin.vertices[used], local.reshape(-1, 3).astype(np.int32), skin.uv[used], skin.colours[used],
             skin.material, skin.head_weight[used], targets,
         )  # fmt: skip
-
-
-def _as_jaw(jaw: Part, part: Part) -> dict[str, Target]:
-    """The motion of the default's lower teeth on another row: rigid, so an affine fit of each target says it."""
-    middle = jaw.vertices.mean(0)
-    arm = np.hstack([(jaw.vertices - middle) / 10.0, np.ones((len(jaw.vertices), 1))])
-    own = np.hstack([(part.vertices - middle) / 10.0, np.ones((len(part.vertices), 1))])
-    found = {}
-    for name, target in jaw.targets.items():
-        offsets = np.zeros((len(jaw.vertices), 3))
-        offsets[target.vertices] = target.offsets
-        moved = sparse_target(own @ np.linalg.lstsq(arm, offsets, rcond=None)[0])
-        if moved is not None:
-            found[name] = moved
-    return found

@@ -45,7 +45,7 @@ class Landmark:
     vertex : int
         Of the default face's skin.
     needed : bool
-        Whether a head cannot be fitted without it.
+        Whether a head is sought where it is not given.
     words : str
     """
 
@@ -68,7 +68,7 @@ def known_landmarks() -> dict[str, Landmark]:
 
 
 def needed_landmarks() -> tuple[str, ...]:
-    """Names of those that a head cannot be fitted without."""
+    """Names of those without which the head is sought in the mesh."""
     return tuple(name for name, landmark in known_landmarks().items() if landmark.needed)
 
 
@@ -187,11 +187,8 @@ def places_of_landmarks(
     Raises
     ------
     InputError
-        If a vertex is not on the mesh, or one that is needed is missing.
+        If a vertex is not on the mesh.
     """
-    missing = [name for name in needed_landmarks() if name not in given]
-    if missing:
-        raise InputError(f"{where}: landmarks missing: {', '.join(missing)} (needed: {', '.join(needed_landmarks())})")
     places = {}
     for name, numbers in given.items():
         if len(numbers) == 1 and int(numbers[0]) >= len(vertices):

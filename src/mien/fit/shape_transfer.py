@@ -162,12 +162,12 @@ def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], count: int)
     return np.asarray(splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(weight * np.sign(prefer)))
 
 
-def filled(carried: Carried, values: Floats, triangles: NDArray[np.int32]) -> Floats:
+def filled(given: Floats, values: Floats, triangles: NDArray[np.int32]) -> Floats:
     """Values (n, c) with those of little trust replaced by a smooth continuation over the mesh.
 
-    Minimises ``sum trust |u - v|^2 + sum_edges |u_i - u_j|^2`` over the vertices of little trust, the others held.
+    ``given`` (n,) is the trust, 0..1. Minimises ``sum trust |u - v|^2 + sum_edges |u_i - u_j|^2`` over the vertices of little trust, the others held.
     """
-    loose = carried.trust < 0.999
+    loose = given < 0.999
     edges = edges_of(triangles)
     touched = edges[loose[edges].any(axis=1)]
     free = np.flatnonzero(loose & (np.bincount(edges.ravel(), minlength=len(loose)) > 0))
@@ -175,7 +175,7 @@ def filled(carried: Carried, values: Floats, triangles: NDArray[np.int32]) -> Fl
         return values
     number = np.full(len(loose), -1)
     number[free] = np.arange(len(free))
-    trust = np.clip(carried.trust[free], 0, 0.999)
+    trust = np.clip(given[free], 0, 0.999)
     pull = trust / (1 - trust) + 1e-4
     ends = np.concatenate([touched, touched[:, ::-1]])
     ends = ends[number[ends[:, 0]] >= 0]

@@ -20,11 +20,11 @@ from scipy.sparse.linalg import splu
 
 from mien.face.head_space import HeadSpace
 from mien.face.surface import Closest, Surface, edges_of, vertex_normals
-from mien.face.warps import SmoothWarp
+from mien.face.warps import Similarity, SmoothWarp
 from mien.fit.alignment import Alignment
 from mien.fit.landmarks import known_landmarks
 
-__all__ = ["FitSettings", "SurfaceFit", "fit_surface", "umbrella"]
+__all__ = ["FitSettings", "SurfaceFit", "fit_in_space", "fit_surface", "umbrella"]
 
 Floats = NDArray[np.float64]
 
@@ -43,12 +43,18 @@ class FitSettings:
         The third step's, from first to last.
     reach : float
         Closest points farther than this do not pull in the last round, mm (five times that in the first).
+    warped : bool
+        Whether a thin-plate warp takes what the landmarks leave: for landmarks that someone set.
+    eye_sigma : float
+        How far the middle of the lids may lie from where the eyeball's centre puts it, mm.
     """
 
     landmark_sigma: float = 1.0
     surface_sigma: float = 6.0
     stiffness: tuple[float, ...] = (300.0, 100.0, 30.0, 10.0, 4.0, 1.5, 0.6, 0.3)
     reach: float = 4.0
+    warped: bool = True
+    eye_sigma: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +82,7 @@ def fit_surface(
     places: Mapping[str, Floats],
     alignment: Alignment,
     settings: FitSettings | None = None,
+    eyes: Mapping[str, Floats] | None = None,
 ) -> SurfaceFit:
     """Bend the default skin onto a head.
 
@@ -88,15 +95,24 @@ def fit_surface(
         Landmarks on it, mm.
     alignment : Alignment
     settings : FitSettings, optional
+    eyes : mapping of "Left", "Right" to ndarray of shape (3,), optional
+        Centres of the head's own eyeballs, mm.
     """
     settings = settings or FitSettings()
     marks = np.array([known_landmarks()[name].vertex for name in places])
     wanted = np.array(list(places.values()))
     rim = _rim(head)
-    shape, weights = _fit_in_space(space, head, rim, marks, wanted, alignment, settings)
-    shape = SmoothWarp(shape[marks], wanted, smoothness=settings.landmark_sigma)(shape)
+    shape, weights = _fit_in_space(space, head, rim, marks, wanted, alignment.template, settings, eyes or {})
+    if settings.warped and len(marks):
+        shape = SmoothWarp(shape[marks], wanted, smoothness=settings.landmark_sigma)(shape)
     shape, distance = _fit_freely(space, head, rim, marks, wanted, shape, settings)
     return SurfaceFit(shape, weights, distance)
+
+
+def fit_in_space(space: HeadSpace, head: Surface, start: Similarity) -> tuple[Floats, Floats]:
+    """The head of the space that lies closest to another head, without landmarks: its skin and its weights."""
+    none = np.zeros(0, dtype=np.int64)
+    return _fit_in_space(space, head, _rim(head), none, np.zeros((0, 3)), start, FitSettings(), {})
 
 
 def _rim(head: Surface) -> NDArray[np.bool_]:
@@ -123,10 +139,10 @@ def _fit_in_space(
     rim: NDArray[np.bool_],
     marks: NDArray[np.int64],
     wanted: Floats,
-    alignment: Alignment,
+    start: Similarity,
     settings: FitSettings,
+    eyes: Mapping[str, Floats],
 ) -> tuple[Floats, Floats]:
-    start = alignment.template
     turn, scale, shift = start.turn, start.scale, start.shift
     count = len(space.components)
     weights = np.zeros(count)
@@ -134,6 +150,8 @@ def _fit_in_space(
     shape = scale * space.shape(weights) @ turn.T + shift
     for reach in (0.0, 0.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 8.0, 8.0):
         rows, right = _landmark_rows(space, shape, shift, turn, scale, marks, wanted, settings.landmark_sigma)
+        more, gaps = _eye_rows(space, shape, shift, turn, scale, eyes, settings.eye_sigma)
+        rows, right = np.vstack([rows, more]), np.concatenate([right, gaps])
         if reach:
             normals = vertex_normals(shape, space.triangles)[samples]
             found = head.closest(shape[samples], normals)
@@ -175,6 +193,23 @@ def _landmark_rows(
 ) -> tuple[Floats, Floats]:  # fmt: skip
     moves = _moves(space, shape, shift, turn, scale, marks)
     return moves.reshape(-1, moves.shape[2]) / sigma, (wanted - shape[marks]).ravel() / sigma
+
+
+def _eye_rows(
+    space: HeadSpace, shape: Floats, shift: Floats, turn: Floats, scale: float, eyes: Mapping[str, Floats], sigma: float
+) -> tuple[Floats, Floats]:
+    """The middle of each eye's lids keeps its place before the eyeball's centre, sideways and in height."""
+    rows, right = [np.zeros((0, 7 + len(space.components)))], [np.zeros(0)]
+    for eye in space.face.eyes:
+        if eye.side in eyes:
+            loop = (space.lid_loop_left if eye.side == "Left" else space.lid_loop_right).astype(np.int64)
+            arm = scale * turn @ (np.array(eye.centre) - space.rest[loop].mean(0))
+            gap = eyes[eye.side] - (shape[loop].mean(0) + arm)
+            moves = _moves(space, shape, shift, turn, scale, loop).mean(axis=0)
+            across = turn[:, :2].T / sigma
+            rows.append(across @ moves)
+            right.append(across @ gap)
+    return np.vstack(rows), np.concatenate(right)
 
 
 def _plane_rows(
@@ -223,9 +258,10 @@ def _fit_freely(
         gap = found.points - shape
         along = np.einsum("qd,qd->q", gap, found.normals)[:, None] * found.normals
         goal = move + along + 0.15 * (gap - along)
-        pull = trust + at_marks * min(1.0, stiffness)
+        hint = at_marks * min(1.0, stiffness) * (stiffness > settings.stiffness[-3])  # the surface has the last word
+        pull = trust + hint
         system = stiffness * bending + sparse.diags(pull + 1e-6)
-        right = trust[:, None] * goal + (pull - trust)[:, None] * mark_goal
+        right = trust[:, None] * goal + hint[:, None] * mark_goal
         move = splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
         shape = start + move
     normals = vertex_normals(shape, space.triangles)

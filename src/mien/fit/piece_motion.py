@@ -1,0 +1,162 @@
+"""How the loose pieces of a head move: teeth rigidly with the jaw or not at all, gums between them, eyeballs about their
+centres, lashes by their roots, and what lies on the skin with the skin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from mien.face.head_reshaping import SMALLEST_MOVE
+from mien.face.model import Face, Part, Target
+from mien.face.posing import eye_rotation
+from mien.face.warps import Similarity, similarity_between
+from mien.fit.head_mesh import HeadMesh
+from mien.fit.piece_kinds import Piece
+from mien.fit.shape_transfer import filled
+
+__all__ = ["PieceMotion"]
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+_FOLLOWERS_MM = 12.0  # what lies farther than this from the skin does not move with it
+_ROOT_MM, _SMALL_MM = 1.0, 90.0
+_SEED_MM = 4.0
+_OF_JAW = ("jawOpen", "jawForward", "jawLeft", "jawRight")
+
+
+class PieceMotion:
+    """Targets of the pieces of one head.
+
+    Parameters
+    ----------
+    head : HeadMesh
+    own : Face
+        The default face on this head: its teeth and tongue show how the jaw moves.
+    skin : ndarray, shape (n, 3)
+        The head's skin, mm.
+    moves : mapping of str to ndarray of shape (n, 3)
+        Its targets.
+    """
+
+    def __init__(self, head: HeadMesh, own: Face, skin: Floats, moves: Mapping[str, Floats]) -> None:
+        self.head, self.own, self.skin, self.moves = head, own, skin, moves
+        self._jaw = _rigid_moves(own.part("teeth_lower"))
+
+    def of(self, pieces: Sequence[Piece]) -> dict[str, Target]:
+        """Targets of some pieces together, on their vertices in the order of their numbers."""
+        used = np.unique(self.head.triangles[np.concatenate([piece.triangles for piece in pieces])])
+        found: dict[str, list[Target]] = {}
+        for piece in pieces:
+            place = np.searchsorted(used, np.unique(self.head.triangles[piece.triangles]))
+            for name, target in self._targets(piece).items():
+                found.setdefault(name, []).append(Target(place[target.vertices].astype(np.int32), target.offsets))
+        return {name: _together(some) for name, some in found.items()}
+
+    def _targets(self, piece: Piece) -> dict[str, Target]:
+        triangles = self.head.triangles[piece.triangles]
+        used = np.unique(triangles)
+        points = self.head.vertices[used]
+        if piece.kind in ("lower", "tongue"):
+            found = {name: move(points) - points for name, move in self._jaw.items()}
+            if piece.kind == "tongue":
+                found |= self._of_tongue(points)
+        elif piece.kind == "gums":
+            share = self._jaw_share(used, triangles, points)[:, None]
+            found = {name: share * (move(points) - points) for name, move in self._jaw.items()}
+        elif piece.kind.startswith("eye_"):
+            found = self._looking(piece, points)
+        elif piece.kind == "upper":
+            found = {}
+        else:
+            found = self._following(used, triangles, points)
+        kept = ((name, _sparse(offsets)) for name, offsets in found.items())
+        return {name: target for name, target in kept if target is not None}
+
+    def _jaw_share(self, used: Indices, triangles: Indices, points: Floats) -> Floats:
+        """1 on what moves with the jaw, 0 on what stays, smooth between: told by the teeth that stand in it."""
+        known = np.full(len(points), np.nan)
+        for kind, share in (("upper", 0.0), ("lower", 1.0)):
+            numbers = [piece.triangles for piece in self.head.pieces if piece.kind == kind]
+            if numbers:
+                teeth = self.head.vertices[np.unique(self.head.triangles[np.concatenate(numbers)])]
+                known[cKDTree(teeth).query(points)[0] < _SEED_MM] = share
+        if np.isnan(known).all():
+            border = self.own.part("teeth_lower").vertices[:, 1].max()
+            known = np.where(points[:, 1] > border + 2, 0.0, np.where(points[:, 1] < border - 2, 1.0, np.nan))
+        trust = np.where(np.isnan(known), 0.0, 1.0)
+        joined = np.searchsorted(used, self.head.welded[triangles])
+        inside = np.asarray(
+            (joined < len(used)) & (used[np.minimum(joined, len(used) - 1)] == self.head.welded[triangles])
+        )
+        local = np.where(inside, joined, np.searchsorted(used, triangles)).astype(np.int32)
+        return np.clip(filled(trust, np.nan_to_num(known)[:, None], local)[:, 0], 0, 1)
+
+    def _of_tongue(self, points: Floats) -> dict[str, Floats]:
+        """The default tongue's own shapes, laid box on box."""
+        part = self.own.part("tongue")
+        low, size = part.vertices.min(0), np.ptp(part.vertices, axis=0)
+        placed = (points - points.min(0)) / np.maximum(np.ptp(points, axis=0), 1e-6) * size + low
+        away, near = cKDTree(part.vertices).query(placed, k=6)
+        share = 1 / np.maximum(away, 0.3) ** 2
+        share /= share.sum(axis=1, keepdims=True)
+        stretch = np.ptp(points, axis=0) / size
+        return {
+            name: (share[:, :, None] * _dense(target, len(part.vertices))[near]).sum(axis=1) * stretch
+            for name, target in part.targets.items()
+            if name not in _OF_JAW
+        }
+
+    def _looking(self, piece: Piece, points: Floats) -> dict[str, Floats]:
+        """An eyeball turned about its centre: for files in which it is no node of its own."""
+        side = piece.kind[4:].capitalize()
+        eye = next(eye for eye in self.own.eyes if eye.side == side)
+        found = {}
+        for number, way in enumerate(("Up", "Down", "In", "Out")):
+            weights = [float(number == k) for k in range(4)]
+            arm = points - piece.centre
+            found[f"eyeLook{way}{side}"] = arm @ eye_rotation(eye, *weights).T - arm
+        return found
+
+    def _following(self, used: Indices, triangles: Indices, points: Floats) -> dict[str, Floats]:
+        """What lies on the skin moves with it: lashes and the like from their roots, hair and collars as far as near."""
+        away, near = cKDTree(self.skin).query(points)
+        rooted = away.min() < 2 * _ROOT_MM and np.linalg.norm(np.ptp(points, axis=0)) < _SMALL_MM
+        names = list(self.moves)
+        values = np.hstack([self.moves[name][near] for name in names])
+        if rooted:
+            trust = (away < max(_ROOT_MM, 1.2 * float(away.min()))).astype(np.float64)
+            values = filled(trust, values, np.searchsorted(used, triangles).astype(np.int32))
+        else:
+            values = values * np.clip(2 - away / (_FOLLOWERS_MM / 2), 0, 1)[:, None]
+        return {name: values[:, 3 * i : 3 * i + 3] for i, name in enumerate(names)}
+
+
+def _sparse(offsets: Floats) -> Target | None:
+    moved = np.flatnonzero(np.abs(offsets).max(axis=1) >= SMALLEST_MOVE)
+    return Target(moved.astype(np.int32), offsets[moved].astype(np.float32)) if len(moved) else None
+
+
+def _together(targets: Sequence[Target]) -> Target:
+    numbers = np.concatenate([target.vertices for target in targets])
+    numbers, first = np.unique(numbers, return_index=True)
+    return Target(numbers, np.concatenate([target.offsets for target in targets])[first])
+
+
+def _dense(target: Target, count: int) -> Floats:
+    offsets = np.zeros((count, 3))
+    offsets[target.vertices] = target.offsets
+    return offsets
+
+
+def _rigid_moves(teeth: Part) -> dict[str, Similarity]:
+    """The rigid motion of the default's lower teeth in each target that moves the jaw."""
+    rest = teeth.vertices.astype(np.float64)
+    return {
+        name: similarity_between(rest, rest + _dense(target, len(rest)), scaled=False)
+        for name, target in teeth.targets.items()
+        if name in _OF_JAW
+    }
