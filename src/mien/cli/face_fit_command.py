@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mien.face.model import Face
     from mien.fit.fit_head import FittedHead
+    from mien.fit.head_parts import GivenMesh
 
 __all__ = ["add_command"]
 
@@ -15,13 +16,21 @@ __all__ = ["add_command"]
 def add_command(kinds: Any) -> None:
     """Add ``mien face fit`` to the face commands."""
     parser = kinds.add_parser("fit", help="give a bare head mesh the 52 ARKit shapes")
-    parser.add_argument("mesh", metavar="HEAD.obj", nargs="?", help="the head: .obj, .ply or .glb, any unit and axes")
+    parser.add_argument(
+        "mesh", metavar="HEAD.obj", nargs="?", help="the head: .obj, .ply, .stl, .glb, .gltf or .vrm, any unit and axes"
+    )
     parser.add_argument(
         "--landmarks",
         metavar="POINTS",
         help=".csv, .json or .toml: names with places or vertices, as hints (default: found without)",
     )
-    parser.add_argument("-o", "--output", metavar="FACE.npz", help="the face to write, for --face FACE.npz")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FACE",
+        help="FACE.npz, for --face FACE.npz; or .glb: of a .glb, .gltf or .vrm the same file with the shapes added to "
+        "its meshes and everything else kept",
+    )
     parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
     parser.add_argument("--texture", metavar="PICTURE", help="the picture that the mesh's texture places are for")
     parser.add_argument("--unit", help="of the mesh: mm, cm, dm, m or inch (default: found from the head's size)")
@@ -46,8 +55,8 @@ def _fit(options: argparse.Namespace) -> int:
     if missing:
         raise InputError(f"mien face fit needs HEAD.obj and -o; missing: {', '.join(missing)}")
     path = check_writable(options.output)
-    if path.suffix.lower() != ".npz":
-        raise InputError(f"-o {path}: a face file ends in .npz (a GLB: --also X.glb)")
+    if path.suffix.lower() not in (".npz", ".glb", ".vrm"):
+        raise InputError(f"-o {path}: a face file ends in .npz, or in .glb or .vrm")
     also = None
     if options.also is not None:
         also = check_writable(options.also)
@@ -89,16 +98,35 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
 
     landmarks = read_landmarks(options.landmarks) if options.landmarks else {}
     mesh = read_mesh(options.mesh, options.texture)
-    done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, added, options.mesh)
-    write_face(done.face, path)
+    own_file = path.suffix.lower() != ".npz" and bool(mesh.origins)
+    lent = () if own_file else added
+    done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, lent, options.mesh)
     print(_report(done, len(landmarks)))
-    print(
-        f"{path}: targets: {len(done.face.part('skin').targets)}, parts: {', '.join(p.name for p in done.face.parts)}"
-    )
+    if own_file:
+        _write_own_file(done, mesh, options.mesh, path)
+    elif path.suffix.lower() == ".npz":
+        write_face(done.face, path)
+        names = ", ".join(p.name for p in done.face.parts)
+        print(f"{path}: targets: {len(done.face.part('skin').targets)}, parts: {names}")
+    else:
+        write_rest(done.face, path)
+        print(f"{path}: the face at rest, with its morph targets")
     if also is not None:
         write_rest(done.face, also)
         print(f"{also}: the face at rest, with its morph targets")
     return 0
+
+
+def _write_own_file(done: FittedHead, mesh: GivenMesh, source: str, path: Any) -> None:
+    from mien.face.foreign.gltf_document import read_gltf
+    from mien.fit.in_own_file import shapes_of_file
+    from mien.formats.shaped_glb import write_shapes
+
+    shapes = shapes_of_file(done, mesh)
+    for note in write_shapes(read_gltf(source), shapes, path):
+        print(f"{note.kind}: {note.message}")
+    count = len({name for each in shapes for name in each.targets})
+    print(f"{path}: {source} with {count} targets on {len(shapes)} of its meshes' primitives, all else kept")
 
 
 def write_rest(face: Face, path: Any) -> None:

@@ -14,7 +14,7 @@ from mien.core.errors import InputError, Note
 from mien.face.contact import Seam, dense_targets, lid_seam, lip_seam
 from mien.face.head_reshaping import EyePlace, Reshaped, reshaped_face
 from mien.face.head_space import HeadSpace, head_space
-from mien.face.model import Face
+from mien.face.model import Face, Target
 from mien.face.surface import Surface
 from mien.face.warps import Similarity
 from mien.fit.alignment import Alignment, align
@@ -55,6 +55,10 @@ class FittedHead:
         Share of the skin's area that a target at weight 1 turns over, where it is more than on the default face.
     kept : ndarray of int64
         Number in the file of each vertex of the skin's part.
+    copied : int
+        How many of them, the last ones, are copies made where lips were cut apart.
+    loose : tuple of (ndarray of int64, mapping of str to Target)
+        Of the head's other pieces: numbers of their vertices in the file, and how they move (eyeballs too).
     notes : tuple of Note
     """
 
@@ -65,6 +69,8 @@ class FittedHead:
     lid_gap: float
     folded: Mapping[str, float]
     kept: NDArray[np.int64]
+    copied: int
+    loose: tuple[tuple[NDArray[np.int64], Mapping[str, Target]], ...]
     notes: tuple[Note, ...]
 
 
@@ -181,6 +187,7 @@ class _Builder:
         welded = self._welded(triangles, kept)
         vertices, triangles = self._without_eyes(vertices, triangles, welded)
         carried = carry_over(self.space, self.skin, Surface(vertices, welded[triangles]))
+        whole = len(kept)
         vertices, triangles, kept, welded, carried, cut = self._opened(vertices, triangles, kept, welded, carried)
         carried = _shared(carried, welded)
         targets = self._targets(carried, vertices, welded[triangles])
@@ -195,7 +202,15 @@ class _Builder:
         folded = _folded(vertices, triangles, targets)
         self._tell(folded, lip_gap, lid_gap)
         kept_in_file = self.head.kept[kept]
-        return FittedHead(face, self.fit, self.alignment, lip_gap, lid_gap, folded, kept_in_file, tuple(self.notes))
+        loose = tuple(
+            (self.head.kept[np.unique(self.head.triangles[piece.triangles])], motion.of([piece]))
+            for piece in self.head.pieces
+            if piece.kind != "skin"
+        )
+        return FittedHead(
+            face, self.fit, self.alignment, lip_gap, lid_gap, folded, kept_in_file, len(kept) - whole, loose,
+            tuple(self.notes),
+        )  # fmt: skip
 
     # ------------------------------------------------------------ the mesh
 

@@ -17,7 +17,7 @@ from mien.fit.piece_kinds import Piece
 from mien.fit.piece_motion import PieceMotion
 from mien.fit.shape_transfer import Carried
 
-__all__ = ["ADDED", "DEFAULT_ADDED", "GivenMesh", "HeadParts"]
+__all__ = ["ADDED", "DEFAULT_ADDED", "GivenMesh", "HeadParts", "Origin"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -46,6 +46,29 @@ _OWN = {
 
 
 @dataclass(frozen=True, eq=False)
+class Origin:
+    """Where in a glTF file some vertices of a mesh come from.
+
+    Attributes
+    ----------
+    mesh, primitive : int
+    first, count : int
+        Their place among the mesh's vertices.
+    linear : ndarray, shape (1 or count, 3, 3)
+        Brings offsets from the primitive's own coordinates to the mesh's.
+    triangles : ndarray of int64, shape (t, 3)
+        Of the primitive, by its own numbers.
+    """
+
+    mesh: int
+    primitive: int
+    first: int
+    count: int
+    linear: Floats
+    triangles: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
 class GivenMesh:
     """A mesh as it came from a file; ``texture`` (height, width, 3) with ``uv`` from its upper left corner, or None."""
 
@@ -54,6 +77,7 @@ class GivenMesh:
     uv: Floats
     colours: Floats
     texture: NDArray[np.uint8] | None = None
+    origins: tuple[Origin, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 Starts are all 24 turns by right angles and some sizes (a head alone, a bust, a body with its head on top). From each
 the mean head is brought nearer by point-to-plane ICP (Chen, Medioni 1992) on few points; the best go on with the
-components of the space (`mien.fit.surface_fit.fit_in_space`). What is kept is the start whose face lies closest in the end.
+components of the space (`mien.fit.surface_fit.fit_in_space`). The start whose face lies closest in the end is kept.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 OBJ: `mien.face.obj.read_obj`, with the picture that its material names; where a picture is used, vertices are split
 at the seams of their texture places (copies stand behind all others, so numbers stay those of the file). PLY: ASCII
-and binary, any number of corners, colours of vertices. GLB: all meshes of the default scene where their nodes put
-them, at rest (no skinning, no morph targets); the base colour texture if all share one material.
+and binary, any number of corners, colours of vertices. glTF: `mien.fit.mesh_glb`.
 """
 
 from __future__ import annotations
@@ -20,10 +19,10 @@ from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.limits import check_size, file_beside, read_bytes
 from mien.core.pictures import opened_picture
-from mien.face.foreign.accessors import AccessorReader
-from mien.face.foreign.gltf_document import GltfDocument, read_gltf
+from mien.face.foreign.gltf_document import is_gltf
 from mien.face.obj import read_obj
 from mien.fit.head_parts import GivenMesh
+from mien.fit.mesh_glb import read_glb_mesh
 
 __all__ = ["read_mesh", "read_picture"]
 
@@ -34,10 +33,6 @@ _PLY_TYPES = {
     "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
-_EXTENSIONS = {
-    "KHR_texture_transform", "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_materials_unlit",
-}  # fmt: skip
-"""What a GLB may need: decoded, or of no effect on a bare mesh."""
 
 
 def read_picture(path: str | Path) -> NDArray[np.uint8]:
@@ -69,10 +64,12 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
         mesh, texture = _read_obj(path, texture)
     elif suffix == ".ply":
         mesh = _read_ply(path)
-    elif suffix in (".glb", ".vrm"):
-        mesh = _read_glb(path)
+    elif is_gltf(path):
+        mesh = read_glb_mesh(path)
     else:
-        raise InputError(f"{path}: a head is read from .obj, .ply or .glb, not from {suffix or 'no suffix'!r}")
+        raise InputError(
+            f"{path}: a head is read from .obj, .ply, .stl, .glb, .gltf or .vrm, not from {suffix or 'no suffix'!r}"
+        )
     if not len(mesh.triangles):
         raise InputError(f"{path} has no faces: a head's surface is needed, not points or lines")
     if texture is None:
@@ -286,110 +283,3 @@ def _ply_mesh(rows: dict[str, Any]) -> GivenMesh:
         whole = 1.0 if table["red"][1].startswith(("f", "d")) else 255.0
         colours = np.clip(np.stack([table[c][0] for c in ("red", "green", "blue")], axis=1) / whole, 0, 1)
     return GivenMesh(vertices, faces.astype(np.int32), np.zeros((len(vertices), 2)), colours)
-
-
-# ------------------------------------------------------------------ GLB
-
-
-def _read_glb(path: Path) -> GivenMesh:
-    file = read_gltf(path)
-    needed = set(file.json.get("extensionsRequired", [])) - _EXTENSIONS
-    if needed:
-        raise InputError(f"{path}: it needs {', '.join(sorted(map(str, needed)))}, not read here: export it without")
-    reader = AccessorReader(file)
-    pieces: list[tuple[Floats, Floats, Floats, NDArray[np.int64]]] = []
-    materials: list[int | None] = []
-    nodes, scenes = file.list_of("nodes"), file.list_of("scenes")
-    roots = (
-        scenes[file.json.get("scene", 0)].get("nodes", [])
-        if scenes
-        else sorted(set(range(len(nodes))) - set(file.parents()))
-    )
-    stack = [(int(root), np.eye(4)) for root in roots]
-    while stack:  # a tree: `read_gltf` has seen to that
-        number, parent = stack.pop()
-        node = nodes[number]
-        place = parent @ _local(node)
-        stack += [(int(child), place) for child in node.get("children", [])]
-        if "mesh" in node:
-            skinned = np.eye(4) if "skin" in node else place
-            for primitive in file.list_of("meshes")[node["mesh"]]["primitives"]:
-                if primitive.get("mode", 4) == 4:
-                    pieces.append(_primitive(reader, primitive, skinned))
-                    materials.append(primitive.get("material"))
-    if not pieces:
-        raise InputError(f"{path}: it has no triangles")
-    return _joined(file, pieces, materials)
-
-
-def _joined(
-    file: GltfDocument,
-    pieces: list[tuple[Floats, Floats, Floats, NDArray[np.int64]]],
-    materials: list[int | None],
-) -> GivenMesh:
-    starts = np.cumsum([0, *(len(piece[0]) for piece in pieces)])
-    largest = max(range(len(pieces)), key=lambda i: len(pieces[i][3]))
-    triangles = np.concatenate([piece[3] + start for piece, start in zip(pieces, starts, strict=False)])
-    return GivenMesh(
-        np.concatenate([piece[0] for piece in pieces]),
-        triangles.astype(np.int32),
-        np.concatenate([piece[1] for piece in pieces]),
-        np.concatenate([piece[2] for piece in pieces]),
-        _texture(file, materials[largest]) if len(set(materials)) == 1 else None,
-    )
-
-
-def _local(node: dict[str, Any]) -> Floats:
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
-    from scipy.spatial.transform import Rotation
-
-    place = np.eye(4)
-    turn = Rotation.from_quat(node.get("rotation", [0, 0, 0, 1])).as_matrix()
-    place[:3, :3] = turn * np.array(node.get("scale", [1, 1, 1]))
-    place[:3, 3] = node.get("translation", [0, 0, 0])
-    return place
-
-
-def _primitive(
-    reader: AccessorReader, primitive: dict[str, Any], place: Floats
-) -> tuple[Floats, Floats, Floats, NDArray[np.int64]]:
-    attributes = primitive["attributes"]
-    points = reader.read(attributes["POSITION"], 3) @ place[:3, :3].T + place[:3, 3]
-    uv, colours = np.zeros((len(points), 2)), np.ones((len(points), 3))
-    if "TEXCOORD_0" in attributes:
-        uv = _for_each(reader.read(attributes["TEXCOORD_0"], 2), points)
-    if "COLOR_0" in attributes:
-        width = 4 if reader.document._entry("accessors", attributes["COLOR_0"]).get("type") == "VEC4" else 3
-        linear = np.clip(_for_each(reader.read(attributes["COLOR_0"], width), points)[:, :3], 0, 1)
-        colours = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    if "indices" in primitive:
-        index = reader.indices(primitive["indices"], len(points))
-    else:
-        index = np.arange(len(points))
-    index = index[: len(index) // 3 * 3].reshape(-1, 3)
-    if np.linalg.det(place[:3, :3]) < 0:
-        index = index[:, ::-1]
-    return points, uv, colours, index
-
-
-def _for_each(rows: Floats, points: Floats) -> Floats:
-    """Rows, if there is one for each point."""
-    if len(rows) != len(points):
-        raise ValueError(f"{len(rows)} rows for {len(points)} points")
-    return rows
-
-
-def _texture(file: GltfDocument, material: int | None) -> NDArray[np.uint8] | None:
-    if material is None:
-        return None
-    surface = file._entry("materials", material).get("pbrMetallicRoughness", {})
-    if "baseColorTexture" not in surface:
-        return None
-    texture = file._entry("textures", surface["baseColorTexture"]["index"])
-    if "source" not in texture:
-        return None
-    image = file._entry("images", texture["source"])
-    data = file.view(image["bufferView"]) if "bufferView" in image else file.bytes_at(image.get("uri"), "its picture")
-    with opened_picture(data, f"{file.path}, its picture") as picture:
-        return np.asarray(picture.convert("RGB"))

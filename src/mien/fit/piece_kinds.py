@@ -25,8 +25,8 @@ _GAP_MM = 1.5  # between the middles of upper and lower teeth, at least
 class Piece:
     """A connected piece.
 
-    ``kind`` is "skin", "eye_left", "eye_right", "shell" (over an eyeball), "lash", "upper", "lower", "tongue", "gums" (in the
-    mouth; gums: both jaws in one piece), or "other".
+    ``kind`` is "skin", "eye_left", "eye_right", "shell" (over an eyeball), "lash", "upper", "lower", "tongue",
+    "gums" (in the mouth; gums: both jaws in one piece), or "other".
     """
 
     kind: str

@@ -1,5 +1,8 @@
-"""How the loose pieces of a head move: teeth rigidly with the jaw or not at all, gums between them, eyeballs about their
-centres, lashes by their roots, and what lies on the skin with the skin."""
+"""How the loose pieces of a head move.
+
+Teeth go rigidly with the jaw or not at all, gums between them, eyeballs turn about their centres, lashes go by their
+roots, and what lies on the skin with the skin.
+"""
 
 from __future__ import annotations
 
@@ -122,7 +125,7 @@ class PieceMotion:
         return found
 
     def _following(self, used: Indices, triangles: Indices, points: Floats) -> dict[str, Floats]:
-        """What lies on the skin moves with it: lashes and the like from their roots, hair and collars as far as near."""
+        """What lies on the skin moves with it: lashes from their roots, hair and collars as far as they are near."""
         away, near = cKDTree(self.skin).query(points)
         rooted = away.min() < 2 * _ROOT_MM and np.linalg.norm(np.ptp(points, axis=0)) < _SMALL_MM
         names = list(self.moves)

@@ -165,7 +165,8 @@ def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], count: int)
 def filled(given: Floats, values: Floats, triangles: NDArray[np.int32]) -> Floats:
     """Values (n, c) with those of little trust replaced by a smooth continuation over the mesh.
 
-    ``given`` (n,) is the trust, 0..1. Minimises ``sum trust |u - v|^2 + sum_edges |u_i - u_j|^2`` over the vertices of little trust, the others held.
+    ``given`` (n,) is their trust, 0..1. Minimises ``sum trust |u - v|^2 + sum_edges |u_i - u_j|^2`` over the vertices
+    of little trust, the others held.
     """
     loose = given < 0.999
     edges = edges_of(triangles)

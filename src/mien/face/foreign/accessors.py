@@ -79,6 +79,10 @@ class AccessorReader:
             raise InputError(f"{self.document.path}: accessor {number} has {values.shape[1]} columns, not {width}")
         return values.astype(np.int64)
 
+    def stored(self, number: object) -> NDArray[Any]:
+        """An accessor in the kind of numbers that the file has, shape (count, width)."""
+        return self._raw(self.document._entry("accessors", number), number)
+
     def _raw(self, facts: dict[str, Any], number: object) -> NDArray[Any]:
         path = self.document.path
         kind, width = _COMPONENTS.get(facts.get("componentType", 0)), _WIDTHS.get(facts.get("type", ""))

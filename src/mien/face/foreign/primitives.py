@@ -15,7 +15,7 @@ from mien.face.foreign.materials import Surface, SurfaceReader, srgb
 from mien.face.foreign.recognition import ForeignFace
 from mien.face.foreign.rig_names import name_tables, spelling
 
-__all__ = ["Piece", "pieces_of_node"]
+__all__ = ["Piece", "in_one_tile", "pieces_of_node", "rest_matrices", "triangles_of"]
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -107,7 +107,7 @@ def _piece(
     vertices = _turned(linear, np.arange(len(points)), points) + (
         matrices[:, :3, 3] if len(matrices) > 1 else matrices[0, :3, 3]
     )
-    triangles = _triangles(primitive, len(points), reader)
+    triangles = triangles_of(primitive, len(points), reader)
     if len(matrices) == 1 and np.linalg.det(linear[0]) < 0:
         triangles = triangles[:, ::-1]
     uv, triangles = _coordinates(attributes, surface, triangles, len(points), reader)
@@ -133,6 +133,39 @@ def _skinning(
         part: set(document.below(turning[part])) if part in turning else set()
         for part in ("head", "eyeLeft", "eyeRight")
     }
+    return rest_matrices(reader, node, attributes, count, world, under)
+
+
+def rest_matrices(
+    reader: AccessorReader,
+    node: int,
+    attributes: Mapping[str, Any],
+    count: int,
+    world: Floats,
+    under: Mapping[str, set[int]],
+) -> tuple[Floats, dict[str, Floats]]:
+    """How a primitive's vertices stand in the world at rest.
+
+    Parameters
+    ----------
+    reader : AccessorReader
+    node : int
+        That shows the mesh.
+    attributes : mapping
+        Of the primitive.
+    count : int
+        Of its vertices.
+    world : ndarray, shape (nodes, 4, 4)
+    under : mapping of str to set of int
+        Nodes by part of the body.
+
+    Returns
+    -------
+    matrices : ndarray, shape (1 or count, 4, 4)
+    shares : dict of str to ndarray of shape (count,)
+        How much each vertex goes with the nodes of each part.
+    """
+    document = reader.document
     facts = document.list_of("nodes")[node]
     if "skin" not in facts or "JOINTS_0" not in attributes:
         return world[node][None], {part: np.full(count, float(node in nodes)) for part, nodes in under.items()}
@@ -189,7 +222,8 @@ def _targets(
     return found
 
 
-def _triangles(primitive: Mapping[str, Any], count: int, reader: AccessorReader) -> Rows:
+def triangles_of(primitive: Mapping[str, Any], count: int, reader: AccessorReader) -> Rows:
+    """Triangles of a list, strip or fan, shape (t, 3)."""
     index = reader.indices(primitive["indices"], count) if "indices" in primitive else np.arange(count)
     mode = primitive.get("mode", _TRIANGLES)
     if mode == _TRIANGLES:
@@ -215,7 +249,7 @@ def _coordinates(
         raise InputError(f"{reader.document.path}: texture coordinates and vertices of a mesh differ in number")
     if surface.transform is not None:
         uv = uv @ surface.transform[:, :2].T + surface.transform[:, 2]
-    uv = _in_one_tile(uv, triangles)
+    uv = in_one_tile(uv, triangles)
     if surface.opacity is not None and len(triangles):
         tall, wide = surface.opacity.shape
         corners = uv[triangles]
@@ -230,7 +264,7 @@ def _coordinates(
     return uv, triangles
 
 
-def _in_one_tile(uv: Floats, triangles: Rows) -> Floats:
+def in_one_tile(uv: Floats, triangles: Rows) -> Floats:
     """Islands that lie in other tiles of a repeating picture, moved into the first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
