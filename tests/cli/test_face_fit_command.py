@@ -25,9 +25,9 @@ FIT = ["face", "fit", "head.obj", "--landmarks", "points.csv", "-o", "out.npz"]
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["face", "fit"], "missing: HEAD.obj, --landmarks, -o"),
-        (FIT, "landmarks missing: eye_outer_left"),
-        ([*FIT[:-1], "out.glb"], "a face file ends in .npz"),
+        (["face", "fit"], "missing: HEAD.obj, -o"),
+        (FIT, "no head was found in it"),
+        ([*FIT[:-1], "out.fbx"], "a face file ends in .npz"),
         ([*FIT, "--also", "x.npz"], "expected a name that ends in .glb"),
         ([*FIT, "--unit", "mile"], "unknown unit 'mile'"),
         ([*FIT, "--add", "wings"], "unknown part 'wings'"),

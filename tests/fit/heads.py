@@ -30,3 +30,22 @@ def marks_of(vertices, some=("eye_", "nose_t", "nose_b", "lip", "chin", "lid", "
         for name, mark in known_landmarks().items()
         if mark.needed or name.startswith(some)
     }
+
+
+def icosahedron(rounds: int) -> tuple[np.ndarray, np.ndarray]:
+    """A ball of triangles: what is no head."""
+    gold = (1 + 5**0.5) / 2
+    points = [(0, a, b * gold) for a in (-1, 1) for b in (-1, 1)]
+    vertices = np.array([np.roll(p, k) for k in range(3) for p in points], dtype=float)
+    from scipy.spatial import ConvexHull
+
+    for _ in range(rounds):
+        edges = {tuple(sorted(e)) for t in ConvexHull(vertices).simplices for e in zip(t, np.roll(t, 1), strict=True)}
+        vertices = np.vstack([vertices, [(vertices[a] + vertices[b]) / 2 for a, b in edges]])
+        vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
+    triangles = ConvexHull(vertices).simplices
+    corner = vertices[triangles]
+    inward = (
+        np.einsum("td,td->t", np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), corner.mean(1)) < 0
+    )
+    return vertices, np.where(inward[:, None], triangles[:, ::-1], triangles).astype(np.int32)

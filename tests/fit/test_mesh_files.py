@@ -98,7 +98,9 @@ def test_glb_where_its_nodes_put_it(tmp_path):
         ("a.glb", glb(nodes=[{"children": [1]}, {"children": [0]}]), "its own ancestor|two parents"),
         ("a.glb", glb(meshes=[{"primitives": [{"attributes": {"POSITION": 7}}]}]), "there is no accessors.7."),
         ("a.obj", b"v 0 0 0\nv 1 0 0\n", "has no faces"),
-        ("a.stl", b"", "is read from .obj, .ply or .glb"),
+        ("a.stl", b"", "no STL file, or cut off"),
+        ("a.fbx", b"", "export it as .glb"),
+        ("a.xyz", b"", "is read from .obj, .ply, .stl"),
     ],
 )
 def test_faults(tmp_path, name, content, told):
@@ -132,3 +134,32 @@ def test_binary_ply_of_triangles_at_once(tmp_path):
     body = POINTS.tobytes() + struct.pack("<B3iB3i", 3, 0, 1, 2, 3, 0, 2, 3)
     (tmp_path / "a.ply").write_bytes(head.encode() + body)
     assert read_mesh(tmp_path / "a.ply").triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_stl_binary_and_ascii(tmp_path):
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
+    rows = np.zeros(2, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+    rows["corners"] = corners.reshape(2, 3, 3)
+    (tmp_path / "a.stl").write_bytes(b" " * 80 + (2).to_bytes(4, "little") + rows.tobytes())
+    facets = ["facet outer loop " + " ".join("vertex {} {} {}".format(*c) for c in t) + " endloop endfacet"
+              for t in corners.reshape(2, 3, 3)]  # fmt: skip
+    (tmp_path / "b.stl").write_text("solid x " + " ".join(facets) + " endsolid x")
+    for name in ("a.stl", "b.stl"):
+        mesh = read_mesh(tmp_path / name)
+        assert len(mesh.vertices) == 4
+        np.testing.assert_allclose(mesh.vertices[mesh.triangles].reshape(-1, 3), corners)
+
+
+def test_usd_polygons_are_placed_and_cut_into_fans(tmp_path):
+    (tmp_path / "a.usda").write_text(
+        """#usda 1.0
+def Xform "root" { double3 xformOp:translate = (0, 5, 0)
+  uniform token[] xformOpOrder = ["xformOp:translate"]
+  def Mesh "m" { int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)] } }
+"""
+    )
+    mesh = read_mesh(tmp_path / "a.usda")
+    assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert mesh.vertices[2].tolist() == [1, 6, 0]

@@ -1,4 +1,4 @@
-"""Bare meshes out of OBJ, PLY and GLB files.
+"""Bare meshes out of OBJ, PLY, STL, glTF and USD files.
 
 OBJ: `mien.face.obj.read_obj`, with the picture that its material names; where a picture is used, vertices are split
 at the seams of their texture places (copies stand behind all others, so numbers stay those of the file). PLY: ASCII
@@ -23,6 +23,8 @@ from mien.face.foreign.gltf_document import is_gltf
 from mien.face.obj import read_obj
 from mien.fit.head_parts import GivenMesh
 from mien.fit.mesh_glb import read_glb_mesh
+from mien.fit.mesh_stl import read_stl
+from mien.fit.mesh_usd import USD_SUFFIXES, read_usd_mesh
 
 __all__ = ["read_mesh", "read_picture"]
 
@@ -64,12 +66,17 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
         mesh, texture = _read_obj(path, texture)
     elif suffix == ".ply":
         mesh = _read_ply(path)
+    elif suffix == ".stl":
+        mesh = _unpainted(*read_stl(path))
+    elif suffix in USD_SUFFIXES:
+        mesh = _unpainted(*read_usd_mesh(path))
+    elif suffix == ".fbx":
+        raise InputError(f"{path}: FBX is not read: export it as .glb, in Blender with File > Export > glTF 2.0")
     elif is_gltf(path):
         mesh = read_glb_mesh(path)
     else:
-        raise InputError(
-            f"{path}: a head is read from .obj, .ply, .stl, .glb, .gltf or .vrm, not from {suffix or 'no suffix'!r}"
-        )
+        told = "a head is read from .obj, .ply, .stl, .glb, .gltf, .vrm or .usd"
+        raise InputError(f"{path}: {told}, not from {suffix or 'no suffix'!r}")
     if not len(mesh.triangles):
         raise InputError(f"{path} has no faces: a head's surface is needed, not points or lines")
     if texture is None:
@@ -77,6 +84,11 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
     if not mesh.uv.any():
         raise InputError(f"{path} has no texture places for the picture {texture}")
     return GivenMesh(mesh.vertices, mesh.triangles, mesh.uv, mesh.colours, read_picture(texture))
+
+
+def _unpainted(vertices: Floats, triangles: NDArray[np.int32], colours: Floats | None = None) -> GivenMesh:
+    colours = np.ones((len(vertices), 3)) if colours is None else colours
+    return GivenMesh(vertices, triangles, np.zeros((len(vertices), 2)), colours)
 
 
 def _read_obj(path: Path, texture: str | Path | None) -> tuple[GivenMesh, str | Path | None]:
@@ -282,4 +294,4 @@ def _ply_mesh(rows: dict[str, Any]) -> GivenMesh:
     if {"red", "green", "blue"} <= set(table):
         whole = 1.0 if table["red"][1].startswith(("f", "d")) else 255.0
         colours = np.clip(np.stack([table[c][0] for c in ("red", "green", "blue")], axis=1) / whole, 0, 1)
-    return GivenMesh(vertices, faces.astype(np.int32), np.zeros((len(vertices), 2)), colours)
+    return _unpainted(vertices, faces.astype(np.int32), colours)

@@ -22,6 +22,8 @@ __all__ = ["read_glb_mesh"]
 Floats = NDArray[np.float64]
 
 _DRACO = "KHR_draco_mesh_compression"
+_READ = {"KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "VRM", "VRMC_vrm"}
+_OF_PAINT = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "VRMC_materials_")  # of no effect on a mesh
 _TILE, _MARGIN = 1024, 4  # pixels
 _SURFACES = (4, 5, 6)  # triangles, strips, fans
 
@@ -35,6 +37,9 @@ def read_glb_mesh(path: Path) -> GivenMesh:
         If it cannot be read or has no triangles.
     """
     file = read_gltf(path)
+    needed = {str(name) for name in file.json.get("extensionsRequired", []) if not str(name).startswith(_OF_PAINT)}
+    if needed - _READ:
+        raise InputError(f"{path}: it needs {', '.join(sorted(needed - _READ))}, not read here: export it without")
     reader, world = AccessorReader(file), world_matrices(file)
     surfaces = SurfaceReader(file)
     points: list[Floats] = []

@@ -1,0 +1,39 @@
+"""Triangles out of an STL file, binary or ASCII; corners that lie together become one vertex."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.errors import InputError
+from mien.core.limits import check_size, read_bytes
+
+__all__ = ["read_stl"]
+
+
+def read_stl(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (n, 3) and triangles (t, 3).
+
+    Raises
+    ------
+    InputError
+        If it is cut off or no STL file.
+    """
+    data = read_bytes(path)
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) == 84 + 50 * count and count:
+        check_size("rows", count, str(path))
+        rows = np.frombuffer(data, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")], count, 84)
+        corners = rows["corners"].reshape(-1, 3).astype(np.float64)
+    elif data[:5].lower() == b"solid":
+        words = data.decode("ascii", errors="replace").lower().split()
+        places = [i for i, word in enumerate(words) if word == "vertex"]
+        corners = np.array([[float(word) for word in words[i + 1 : i + 4]] for i in places])
+    else:
+        raise InputError(f"{path} is no STL file, or cut off: it holds {len(data)} bytes for {count} triangles")
+    if len(corners) == 0 or len(corners) % 3 or not np.isfinite(corners).all():
+        raise InputError(f"{path}: no whole triangles in it")
+    vertices, number = np.unique(corners, axis=0, return_inverse=True)
+    return vertices, number.reshape(-1, 3).astype(np.int32)
