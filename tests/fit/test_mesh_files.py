@@ -153,11 +153,15 @@ def test_stl_binary_and_ascii(tmp_path):
 def test_usd_polygons_are_placed_and_cut_into_fans(tmp_path):
     (tmp_path / "a.usda").write_text(
         """#usda 1.0
-def Xform "root" { double3 xformOp:translate = (0, 5, 0)
+def Xform "root" {
+  double3 xformOp:translate = (0, 5, 0)
   uniform token[] xformOpOrder = ["xformOp:translate"]
-  def Mesh "m" { int[] faceVertexCounts = [4]
+  def Mesh "m" {
+    int[] faceVertexCounts = [4]
     int[] faceVertexIndices = [0, 1, 2, 3]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)] } }
+    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+  }
+}
 """
     )
     mesh = read_mesh(tmp_path / "a.usda")

@@ -210,7 +210,7 @@ def _in_space(
     """The same with the space's components, on the whole surface; cost and the skin in the file's coordinates."""
     local = (vertices - start.shift) @ start.turn / start.scale
     reach = 2.0 * face.height
-    near = (np.abs(local) < reach).all(axis=1)[triangles].all(axis=1)
+    near = np.asarray((np.abs(local) < reach).all(axis=1))[triangles].all(axis=1)
     if not near.any():
         return 1.0, start(space.rest)
     surface = Surface(local, triangles, np.asarray(near))
