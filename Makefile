@@ -4,6 +4,7 @@
 # make sheets the pictures in docs/
 # make mutants  a sample of changed lines: does a test notice?
 # make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
+# make lock   requirements/ made again, after a change of pyproject.toml or constraints.txt
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
 # make blender            the Blender extension, dist/mien_blender-*.zip (docs/blender.md)
 # make setup-blender      Blender as a Python module (350 MB, GPL, a program apart) for the tests of the extension and FBX
@@ -16,6 +17,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
 MUTANTS ?= 200
 SEED ?= 1
+UV := 0.13.9
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
 # Node's packages as pinned, installed once for each change of the lock file.
@@ -23,19 +25,25 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz clean
+.PHONY: setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz lock clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.core: pyproject.toml constraints.txt | $(BIN)/python
+# Packages are pinned with the hashes of their files (requirements/, by 'make lock'); mien itself is built with what is there.
+$(VENV)/.core: pyproject.toml requirements/core.txt | $(BIN)/python
 	@echo "installing pinned packages (about 300 MB to fetch, once)"
-	$(PIP) install --quiet --constraint constraints.txt --editable .
+	$(PIP) install --quiet --require-hashes --requirement requirements/core.txt
+	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
 
-$(VENV)/.dev: $(VENV)/.core
-	$(PIP) install --quiet --constraint constraints.txt --editable '.[dev]'
+$(VENV)/.dev: $(VENV)/.core requirements/dev.txt
+	$(PIP) install --quiet --require-hashes --requirement requirements/core.txt --requirement requirements/dev.txt
 	@touch $@
+
+lock: $(VENV)/.dev
+	$(PIP) install --quiet uv==$(UV)
+	$(BIN)/python tools/lock.py
 
 demo: $(VENV)/.core
 	@mkdir -p $(DEMO)
@@ -76,7 +84,7 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 wheel: $(VENV)/.dev
-	$(PIP) wheel --quiet --no-deps --wheel-dir dist .
+	$(PIP) wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 	@ls -l dist
 
 FESTIVAL := festival festvox-suopuhe-lj festvox-suopuhe-mv festvox-us-slt-hts festvox-kallpc16k
