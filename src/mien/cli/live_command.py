@@ -103,7 +103,7 @@ def _source(options: argparse.Namespace) -> SoundSource:
         if options.follow or options.pace != "auto":
             raise InputError("--follow and --pace are for a file or a stream, not for a microphone")
         device = options.device
-        return MicrophoneSource(int(device) if device is not None and device.isdigit() else device)
+        return MicrophoneSource(int(device) if device is not None and device.isdecimal() else device)
     if options.device is not None:
         raise InputError(f"--device names a microphone: leave it out, or leave {options.sound!r} out")
     form = PcmForm(options.sample_rate, options.channels, options.format)

@@ -33,6 +33,7 @@ __all__ = [
     "check_size",
     "file_beside",
     "fraction_of",
+    "is_whole",
     "load_array",
     "load_arrays",
     "most",
@@ -77,6 +78,7 @@ LIMITS: dict[str, Limit] = {
 }
 """Every limit by its name; the environment variable ``MIEN_MOST_<NAME>`` sets another."""
 
+_MOST_DIGITS = 18
 _NUMBER = re.compile(r"\s*[-+]?(?:\d+(?:/\d+)?|\d*\.?\d+|\d+\.)(?:[eE](?P<power>[-+]?\d+))?\s*", re.ASCII)
 
 
@@ -174,6 +176,17 @@ def fraction_of(value: float | str | Fraction, where: str) -> Fraction:
         return Fraction(value)
     except (ValueError, TypeError, ZeroDivisionError, OverflowError) as problem:
         raise InputError(f"{where}: expected a number, got {str(value)[:40]!r}") from problem
+
+
+def is_whole(text: str) -> bool:
+    """Whether a text is a whole number that ``int`` reads: plain digits, and not thousands of them.
+
+    Examples
+    --------
+    >>> is_whole("12"), is_whole("²"), is_whole("-1"), is_whole("9" * 5000)
+    (True, False, False, False)
+    """
+    return len(text) <= _MOST_DIGITS and text.isascii() and text.isdigit()
 
 
 def file_beside(path: str | Path, name: str) -> Path:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mien.core.border import guarded, reading
 from mien.core.errors import InputError, Note, unknown_name
-from mien.core.limits import check_size
+from mien.core.limits import check_size, is_whole
 from mien.core.plain_text import read_plain_text
 from mien.core.tables import Table, first_row, read_rows
 from mien.core.timeline import Interval, Tier
@@ -75,7 +75,7 @@ def _from_labels(path: Path, text: str, notes: tuple[Note, ...], ticks: int) -> 
         if not line.strip():
             continue
         cells = line.split()
-        if len(cells) < 3 or not (cells[0].isdigit() and cells[1].isdigit()):
+        if len(cells) < 3 or not (is_whole(cells[0]) and is_whole(cells[1])):
             raise InputError(f"{path}, line {number}: expected 'start end word', got {line.strip()!r}")
         if cells[2].lower() not in _NO_WORDS:
             try:

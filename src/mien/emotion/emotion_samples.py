@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, MienError, Note
+from mien.core.limits import is_whole
 from mien.corpus.labelled_sounds import LabelledSounds
 from mien.corpus.workers import each
 from mien.formats.sound_files import read_audio
@@ -110,7 +111,7 @@ def features_of(sound: Audio | SpeechFrames, kind: str) -> NDArray[np.float64]:
         frames = analyse(sound) if isinstance(sound, Audio) else sound
         return np.array(list(voice_features(frames).values()))
     name, _, number = kind.partition(":")
-    if name != CEPSTRAL or not (number or "500").isdigit() or isinstance(sound, SpeechFrames):
+    if name != CEPSTRAL or not is_whole(number or "500") or isinstance(sound, SpeechFrames):
         raise InputError(f"features are 'voice', 'cepstral' or 'cepstral:NUMBER', not {kind!r}")
     return cepstral_features(sound, int(number or "500"))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mien.core.errors import InputError
+from mien.core.limits import is_whole
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
 from mien.pipeline.spoken_joining import Joined
@@ -87,7 +88,7 @@ class Clock:
         return found.end if end else found.start
 
     def _word(self, which: str, following: int, reference: str) -> Interval:
-        number = following + int(which) - 1 if which.isdigit() else -1
+        number = following + int(which) - 1 if is_whole(which) else -1
         if not following <= number < len(self.words):
             left = len(self.words) - following
             raise InputError(f"{reference!r}: there are {left} words from there on, so no word {which!r}")
@@ -98,7 +99,7 @@ class Clock:
             raise InputError(f"{reference!r}: no word follows, so it has no phone {which!r}")
         start = self.words[following].start
         later = [phone for phone in self.phones if phone.start >= start - 1e-6 and phone.label != PAUSE]
-        if which.isdigit():
+        if is_whole(which):
             inside = [phone for phone in later if phone.start < self.words[following].end - 1e-6]
             if not 1 <= int(which) <= len(inside):
                 word = self.words[following].label

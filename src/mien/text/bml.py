@@ -15,6 +15,7 @@ from typing import Any
 
 from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, unknown_name
+from mien.core.limits import is_whole
 from mien.text.commands import Command, CommandLibrary
 from mien.text.face_parameters import face_parameter
 from mien.text.script import DirectedCommand, DirectedCurve, Point, Script, Segment
@@ -186,7 +187,7 @@ class _Block:
         whole = text.strip().split(":")
         if whole[-2] in self.behaviours and whole[-1] in self._points_of(whole[-2]):
             parts, offset = whole, 0.0  # a name such as sync-1
-        if len(parts) > 2 and parts[-1].isdigit():
+        if len(parts) > 2 and is_whole(parts[-1]):
             if parts[-1] != "1":
                 self.note(element, f"{text!r}: the repetition {parts[-1]} is not told apart; the first is taken")
             parts = parts[:-1]
@@ -348,7 +349,7 @@ class _Block:
 
     def _repetition(self, element: _Element) -> int:
         text = element.given.get("repetition", "1").strip().removesuffix(".0")
-        if not text.isdigit() or int(text) < 1:
+        if not is_whole(text) or int(text) < 1:
             raise self.fault(element, f"repetition is a whole number, 1 or more, not {text!r}")
         return int(text)
 

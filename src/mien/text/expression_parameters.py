@@ -18,6 +18,7 @@ from pathlib import Path
 
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
+from mien.core.limits import is_whole
 from mien.core.tables import read_rows
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
@@ -88,7 +89,7 @@ def _moment(cells: list[str]) -> tuple[float, dict[str, float]]:
 
 def _emotion(name: str) -> str:
     names = list(EXPRESSIONS)
-    if name.isdigit() and 1 <= int(name) <= len(names):
+    if is_whole(name) and 1 <= int(name) <= len(names):
         return EXPRESSIONS[names[int(name) - 1]]
     if name.lower() not in EXPRESSIONS:
         raise unknown_name("expression of MPEG-4", name, (*names, "1..6"))

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError
+from mien.core.limits import is_whole
 from mien.corpus.readers.recording_files import SOUND, VIDEO
 from mien.corpus.recording.folder import writing
 from mien.corpus.recording.scripts import Line
@@ -102,7 +103,7 @@ class PreparedFolder:
         return copies
 
     def _files_for(self, line: Line, name: str) -> list[Path]:
-        return [p for p in self._files if p.stem == name or (p.stem.isdecimal() and int(p.stem) == line.number)]
+        return [p for p in self._files if p.stem == name or (is_whole(p.stem) and int(p.stem) == line.number)]
 
 
 def _check_pictures(path: Path) -> None:

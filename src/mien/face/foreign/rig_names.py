@@ -19,6 +19,7 @@ from mien.core.border import guarded
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError, unknown_name
 from mien.core.facs import au_channels, is_unit
+from mien.core.limits import is_whole
 from mien.core.plain_text import read_plain_text
 
 __all__ = [
@@ -103,7 +104,7 @@ def words(name: str) -> list[str]:
     (['au', '1', 'inner', 'brow', 'raiser', 'left'], ['mouth', 'funnel', 'ul'])
     """
     found = [token.lower() for token in _TOKEN.findall(name)]
-    return [str(int(word)) if word.isdecimal() else _SIDES.get(word, word) for word in found]
+    return [str(int(word)) if is_whole(word) else _SIDES.get(word, word) for word in found]
 
 
 def spelling(name: str) -> str:

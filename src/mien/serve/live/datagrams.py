@@ -10,6 +10,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Any
 
 from mien.core.errors import InputError, OutputError
+from mien.core.limits import is_whole
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.formats.livelink_csv import livelink_motion
@@ -39,7 +40,7 @@ def parse_address(text: str, port: int) -> tuple[str, int]:
     """
     host, colon, number = text.rpartition(":") if text.count(":") == 1 or "]:" in text else (text, "", "")
     if colon:
-        if not number.isdigit() or not 1 <= int(number) <= 65535:
+        if not is_whole(number) or not 1 <= int(number) <= 65535:
             raise InputError(f"expected HOST:PORT with a port from 1 to 65535, got {text!r}")
         port = int(number)
     return host.strip("[]") or "127.0.0.1", port

@@ -9,6 +9,7 @@ from threading import Lock
 from xml.etree.ElementTree import Element
 
 from mien.core.errors import InputError, MienError, Note
+from mien.core.limits import is_whole
 from mien.serve.modules.messages import Message
 from mien.serve.modules.transport import Answer, Delivery, Sink, Source
 from mien.serve.modules.xml_form import element_of, one_line
@@ -151,4 +152,4 @@ def _refused_before(message: Message) -> tuple[str, int, str] | None:
     if element.tag != "refused":
         return None
     line = element.get("line", "0")
-    return element.get("module", "a module"), int(line) if line.isdigit() else 0, element.text or "no reason given"
+    return element.get("module", "a module"), int(line) if is_whole(line) else 0, element.text or "no reason given"

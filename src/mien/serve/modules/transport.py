@@ -22,6 +22,7 @@ from typing import IO, Protocol, TextIO
 from xml.sax.saxutils import escape, quoteattr
 
 from mien.core.errors import InputError, OutputError
+from mien.core.limits import is_whole
 from mien.serve.modules.messages import MOST_CHARACTERS, Message, Messages
 from mien.serve.modules.xml_form import element_of
 
@@ -93,7 +94,7 @@ def parse_address(text: str) -> tuple[str, int]:
     (('127.0.0.1', 7001), ('10.0.0.5', 7001))
     """
     host, _, port = text.rpartition(":")
-    if not port.isdigit() or not 0 <= int(port) < 65536:
+    if not is_whole(port) or not 0 <= int(port) < 65536:
         raise InputError(f"an address is PORT or HOST:PORT, such as 7001 or 10.0.0.5:7001, not {text!r}")
     return host.strip("[]") or "127.0.0.1", int(port)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mien.core.errors import MissingPartError
+from mien.core.limits import is_whole
 from mien.speech.onnx_runtime import forbid_telemetry
 from mien.speech.voices.onnx_outline import outline
 
@@ -123,7 +124,7 @@ def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxr
 def _threads_left() -> int:
     """What ``OMP_NUM_THREADS`` allows: one in a worker that shares the cores with others."""
     given = os.environ.get("OMP_NUM_THREADS", "")
-    return int(given) if given.isdigit() and int(given) else _THREADS
+    return int(given) if is_whole(given) and int(given) else _THREADS
 
 
 def _kinds_of_failure() -> tuple[type[Exception], ...]:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from mien.core.errors import InputError, Note
+from mien.core.limits import is_whole
 from mien.text.languages.finnish_numbers import cardinal, decimal, ordinal
 from mien.text.languages.language import Language
 from mien.text.languages.tokens import Token, is_from_other_script, tokens_of
@@ -138,7 +139,7 @@ def _said(match: re.Match[str], text: str, language: Language) -> str:
     bare = re.sub(r"[\s\u00a0\u202f]", "", match["number"]).replace("−", "-")
     if bare.startswith("-") and match.start():  # a hyphen inside a word
         bare = bare[1:]
-    return ordinal(int(bare), table) if match["stop"] and bare.isdecimal() else decimal(bare, table)
+    return ordinal(int(bare), table) if match["stop"] and is_whole(bare) else decimal(bare, table)
 
 
 def _spelled_out(word: str, language: Language) -> str:
