@@ -342,7 +342,7 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
 def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> ShownFace:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
     from mien.face.foreign.gltf_document import is_gltf
-    from mien.face.library import known_faces, load_face
+    from mien.face.library import is_named_face, load_face
     from mien.formats.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
@@ -352,7 +352,7 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
         return checked_foreign_face(options.face, outputs, options.deformer, options.names)
     if options.names is not None:
         raise InputError(f"--names is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
-    if options.face in known_faces() and options.deformer == "blendshapes":
+    if is_named_face(options.face) and options.deformer == "blendshapes":
         return str(options.face)  # read when something shows it
     face = load_face(options.face)
     if options.deformer != "blendshapes":

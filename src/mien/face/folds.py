@@ -7,7 +7,7 @@ light of its banks. The folds lie on the default face's texture coordinates; a f
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
 from io import BytesIO
@@ -118,14 +118,15 @@ def folds_of(part: Part, sizes: NDArray[np.int32]) -> Folds | None:
     sizes : ndarray, shape (levels, 3)
         First texel, width and height of each level of its texture.
     """
-    layout, folds = _drawn()
+    layout, folds = drawn_folds()
     if part.material.texture is None or layout_digest(part.uv) != layout:
         return None
-    return Folds(folds, sizes)
+    return Folds(tuple(replace(f, shade=part.material.folds * f.shade) for f in folds), sizes)
 
 
 @cache
-def _drawn() -> tuple[str, tuple[Fold, ...]]:
+def drawn_folds() -> tuple[str, tuple[Fold, ...]]:
+    """Texture coordinates that the folds lie on, as `layout_digest` tells them, and the folds."""
     data = asset("render/folds.npz").read_bytes()
     with np.load(BytesIO(data), allow_pickle=False) as arrays:
         size = int(arrays["size"])

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mien.core.assets import asset
-from mien.face.library import load_face
+from mien.face.default_face import default_face
 from mien.face.model import Face, Part
 
 __all__ = ["SKIN", "HeadSpace", "head_space"]
@@ -89,7 +89,7 @@ class HeadSpace:
 @cache
 def head_space() -> HeadSpace:
     """The space of heads that comes with mien."""
-    face = load_face("default")
+    face = default_face()
     path = asset("fitting/default.npz")
     with np.load(path, allow_pickle=False) as archive:
         data = {name: archive[name] for name in archive.files}

@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 
-from mien.core.assets import asset
 from mien.core.errors import unknown_name
+from mien.face.default_face import default_face
 from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
 from mien.face.storage import read_face
 
-__all__ = ["known_faces", "load_face"]
-
-
-def _folder() -> Path:
-    return asset("faces")
+__all__ = ["is_named_face", "known_faces", "load_face"]
 
 
 def known_faces() -> tuple[str, ...]:
-    """Names of the faces that come with mien.
+    """Names of the faces that come with mien: the default one, and the cast.
 
     Examples
     --------
     >>> "default" in known_faces()
     True
     """
-    return tuple(sorted(path.stem for path in _folder().glob("*.npz")))
+    from mien.face.cast.person import cast_names
+
+    return ("default", *cast_names())
+
+
+def is_named_face(name: object) -> bool:
+    """Whether this names a face that comes with mien, or a blend of two (``amara+mei:0.3``), not a file.
+
+    Examples
+    --------
+    >>> is_named_face("amara"), is_named_face("my-face.npz"), is_named_face("amara+mei:0.3")
+    (True, False, True)
+    """
+    from mien.face.cast.stored import is_blend
+
+    return isinstance(name, str) and (name in known_faces() or is_blend(name))
 
 
 def load_face(name: str | Path = "default") -> Face:
@@ -35,7 +45,7 @@ def load_face(name: str | Path = "default") -> Face:
     Parameters
     ----------
     name : str or Path
-        One of `known_faces`, the path of a ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj``
+        One of `known_faces`, or two of the cast and the share of the second (``amara+mei:0.3``); the path of a ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj``
         file: that one has no morph targets and is moved by a parameter tree (`mien.face.deformers.deformed_by`).
 
     Raises
@@ -53,11 +63,10 @@ def load_face(name: str | Path = "default") -> Face:
         return face_of_mesh(read_obj(name), Path(name).stem)
     if isinstance(name, Path) or str(name).endswith(".npz"):
         return read_face(name)
-    if name not in known_faces():
+    if name == "default":
+        return default_face()
+    if not is_named_face(name):
         raise unknown_name("face", str(name), known_faces())
-    return _own(str(name))
+    from mien.face.cast.stored import cast_face
 
-
-@lru_cache(maxsize=1)
-def _own(name: str) -> Face:
-    return read_face(_folder() / f"{name}.npz")
+    return cast_face(name)

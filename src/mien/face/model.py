@@ -37,6 +37,8 @@ class Material:
         Strength of the highlight, 0..1.
     scatter : float
         How much light bleeds through, as in skin: 0 none .. 1 (softens the edge between light and shade, reddens it).
+    folds : float
+        How deep skin folds (`mien.face.folds`): 1 as on the default face, more on older skin.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Material:
     roughness: float = 0.6
     specular: float = 0.3
     scatter: float = 0.0
+    folds: float = 1.0
 
 
 @dataclass(frozen=True)

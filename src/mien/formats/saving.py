@@ -52,12 +52,12 @@ def save(
     OutputError
         If a file cannot be written; nothing is left half-written.
     """
-    from mien.face.library import known_faces, load_face
+    from mien.face.library import is_named_face, load_face
     from mien.formats.registry import check_output, shows_face
     from mien.formats.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
-    if not isinstance(face, Face) and not (face is None or face in known_faces()):
+    if not isinstance(face, Face) and not (face is None or is_named_face(face)):
         from mien.face.foreign.gltf_document import is_gltf
         from mien.face.foreign.known_face import known_face, note_on_mouth
         from mien.face.foreign.recognition import ForeignFace
@@ -71,7 +71,7 @@ def save(
             return (*note_on_mouth(face), *written) if any(map(shows_face, targets)) else written
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
-    if face in known_faces() and not any(shows_face(target) for target in targets):
+    if is_named_face(face) and not any(shows_face(target) for target in targets):
         face = None  # reading it takes longer than writing the file
     shown = load_face(face) if isinstance(face, (str, Path)) else face
     return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))

@@ -1,0 +1,137 @@
+"""A face made from a person's numbers: the default head reshaped, with its own skin, eyes, brows, hair and clothes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.cast.hair import beard_part, hair_parts
+from mien.face.cast.noise import smoothstep
+from mien.face.cast.people import head_weights
+from mien.face.cast.person import Person, looks
+from mien.face.cast.skin_paint import paint_skin
+from mien.face.head_reshaping import reshaped_face
+from mien.face.head_space import SKIN, head_space
+from mien.face.model import Face, Material, Part, Target
+
+__all__ = ["make_face"]
+
+_IRIS = 0.395  # radians from the optical axis to the rim of the iris, as the default eye is painted
+_POWER = 0.6  # bends the eye's texture so that the iris gets more of it
+_LEFT_OUT = ("hair", "hair_clumps")
+_BROWS = np.array([0.90, 0.88, 0.86])
+
+Floats = NDArray[np.floating]
+
+
+def make_face(person: Person) -> Face:
+    """The face of a person, moved by the same channels as the default face; the same person gives the same face.
+
+    Examples
+    --------
+    >>> from mien.face.cast.person import made_up
+    >>> face = make_face(made_up("m", 44, "asian", seed=3))
+    >>> "jawOpen" in face.part("skin").targets
+    True
+    """
+    space = head_space()
+    weights = head_weights(
+        person.sex, person.age, person.shares, person.features, (person.weight, person.muscle)
+    )
+    face = reshaped_face(space, space.shape(weights), person.name).face
+    parts = {part.name: part for part in face.parts if part.name not in _LEFT_OUT}
+    parts[SKIN] = replace(parts[SKIN], material=_skin_material(person, parts[SKIN].material))
+    parts["shirt"] = _dyed(parts["shirt"], person)
+    parts["brows"] = _brows(parts["brows"], person)
+    parts["lashes"] = replace(parts["lashes"], material=replace(parts["lashes"].material, colour=(0.075, 0.06, 0.055)))
+    iris = _iris_picture(parts[face.eyes[0].part].material.texture, person)
+    for eye in face.eyes:
+        parts[eye.part] = replace(parts[eye.part], material=replace(parts[eye.part].material, texture=iris))
+    parts["caruncles"] = _toned(parts["caruncles"], person)
+    face = replace(face, parts=tuple(parts.values()))
+    added = hair_parts(space, face, person)
+    beard = beard_part(space, face, person)
+    return replace(face, parts=(*face.parts, *added, *((beard,) if beard else ())))
+
+
+def _skin_material(person: Person, material: Material) -> Material:
+    return replace(
+        material,
+        texture=paint_skin(person),
+        roughness=0.54 + 0.06 * person.ageing - 0.07 * person.tone,
+        specular=0.30 + 0.10 * person.tone,
+        scatter=0.60 - 0.22 * person.tone,
+        folds=0.85 + 0.75 * person.ageing,
+    )
+
+
+def _dyed(shirt: Part, person: Person) -> Part:
+    shade = shirt.colours / np.maximum(shirt.colours.mean(axis=0), 1e-6)
+    colours = np.clip(shade * np.asarray(person.shirt, np.float32), 0, 1).astype(np.float32)
+    return replace(shirt, colours=colours)
+
+
+def _toned(part: Part, person: Person) -> Part:
+    colours = part.colours * np.float32(1 - 0.35 * person.tone)
+    return replace(part, colours=colours.astype(np.float32))
+
+
+def _iris_picture(picture: NDArray[np.uint8] | None, person: Person) -> NDArray[np.uint8]:
+    """The default eye's picture with another iris, and a white that years make duller."""
+    assert picture is not None
+    size = len(picture)
+    grid = (np.arange(size) + 0.5) / size - 0.5
+    x, y = np.meshgrid(grid, grid)
+    theta = np.pi * np.minimum(np.hypot(x, y) / 0.5, 1) ** (1 / _POWER)
+    radius = theta / _IRIS
+    colour = picture / 255.0
+    light = colour.mean(axis=2)
+    ring = np.minimum((radius * 60).astype(int), 80)
+    inside = radius < 1.35
+    mean = np.bincount(ring[inside], light[inside], 81) / np.maximum(np.bincount(ring[inside], minlength=81), 1)
+    fibre = 1 + 1.25 * (light / np.maximum(mean[ring], 1e-3) - 1)
+    inner, outer = (np.array(c) for c in person.eyes)
+    share = smoothstep(0.40, 0.85, radius)[..., None]
+    iris = (inner + (outer - inner) * share) * np.clip(fibre, 0.55, 1.6)[..., None]
+    iris = iris * (1 - 0.66 * smoothstep(0.80, 1.0, radius))[..., None]
+    there = (smoothstep(1.07, 0.96, radius) * smoothstep(0.34, 0.39, radius))[..., None]
+    white = smoothstep(1.0, 1.1, radius)[..., None]
+    dull = np.array([0.02, 0.045, 0.10]) * (0.35 + person.ageing) + np.array([0.03, 0.045, 0.06]) * person.tone
+    colour = colour * (1 - white * dull)
+    colour = colour + (iris - colour) * there
+    return np.asarray(np.rint(np.clip(colour, 0, 1) * 255), dtype=np.uint8)
+
+
+def _brows(brows: Part, person: Person) -> Part:
+    """The default brows, thinner or thicker, in the colour of the hair."""
+    each = 7  # vertices of one hair (`ribbons` of three steps)
+    count = len(brows.vertices) // each
+    half = count // 2
+    chance = np.random.default_rng([person.seed, 5])
+    keep = np.tile(chance.uniform(size=half) < np.clip(0.30 + 0.75 * person.brows, 0, 1), 2)
+    rows = (np.flatnonzero(keep)[:, None] * each + np.arange(each)).ravel()
+    number = np.full(len(brows.vertices), -1)
+    number[rows] = np.arange(len(rows))
+    triangles = number[brows.triangles]
+    triangles = triangles[(triangles >= 0).all(axis=1)].astype(np.int32)
+    hairs = brows.vertices.reshape(count, each, 3)
+    middle = (hairs[:, 0:2].mean(axis=1, keepdims=True), hairs[:, 2:4].mean(axis=1, keepdims=True), hairs[:, 4:6].mean(axis=1, keepdims=True))
+    wide = np.float32(0.62 + 0.45 * person.brows)
+    hairs = np.concatenate(
+        [m + wide * (hairs[:, 2 * k : 2 * k + 2] - m) for k, m in enumerate(middle)] + [hairs[:, 6:]], axis=1
+    )
+    targets = {}
+    for name, target in brows.targets.items():
+        chosen = number[target.vertices] >= 0
+        targets[name] = Target(number[target.vertices[chosen]].astype(np.int32), target.offsets[chosen])
+    dark, light = (np.array(colour) for colour in person.hair_colour)
+    colour = dark + 0.30 * (light - dark)
+    silver = np.array(looks()["hair_colours"]["grey"][1])
+    red, green, blue = np.clip((colour + 0.8 * person.grey * (silver - colour)) / 0.8 * _BROWS, 0, 1).tolist()
+    return replace(
+        brows, vertices=hairs.reshape(-1, 3)[rows], triangles=triangles, uv=brows.uv[rows], colours=brows.colours[rows],
+        head_weight=brows.head_weight[rows], targets=targets,
+        material=replace(brows.material, colour=(red, green, blue)),
+    )  # fmt: skip

@@ -1,0 +1,119 @@
+"""Faces of the cast made once and kept: making one takes seconds, reading it back a fraction of one."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Mapping
+from functools import cache, lru_cache
+from hashlib import sha256
+from pathlib import Path
+
+from mien.core.assets import assets_folder
+from mien.core.errors import InputError, OutputError
+from mien.face.cast.making import make_face
+from mien.face.cast.person import Person, blended, cast_names, person_named
+from mien.face.model import Face
+from mien.face.storage import read_face, write_face
+
+__all__ = ["cast_face", "face_of_person", "is_blend", "person_called"]
+
+_KEPT = 64  # faces
+_MADE_OF = ("faces/default.npz", "fitting/default.npz", "fitting/people.npz", "render/folds.npz", "faces/looks.toml",
+            "faces/cuts.toml")  # fmt: skip
+
+
+def is_blend(name: str) -> bool:
+    """Whether a name asks for something between two of the cast, such as ``amara+mei`` or ``amara+mei:0.3``.
+
+    Examples
+    --------
+    >>> is_blend("amara+mei:0.3"), is_blend("amara"), is_blend("a+b.glb")
+    (True, False, False)
+    """
+    one, plus, rest = name.partition("+")
+    return bool(plus) and one in cast_names() and rest.partition(":")[0] in cast_names()
+
+
+def person_called(name: str) -> Person:
+    """Who a name of the cast, or of a blend of two (`is_blend`), stands for.
+
+    Raises
+    ------
+    InputError
+        If the share of the second is no number from 0 to 1.
+
+    Examples
+    --------
+    >>> person_called("amara+kofi:0.25").age
+    32.5
+    """
+    one, plus, rest = name.partition("+")
+    if not plus:
+        return person_named(name)
+    other, colon, share = rest.partition(":")
+    try:
+        number = float(share) if colon else 0.5
+    except ValueError:
+        number = -1.0
+    if not 0 <= number <= 1:
+        raise InputError(f"a blend of two faces is NAME+NAME:0..1 (the share of the second), not {name!r}")
+    return blended(person_named(one), person_named(other), number)
+
+
+def face_of_person(person: Person) -> Face:
+    """A person's face as it is kept in a file, so that it is the same whether it was just made or made long ago."""
+    folder = _folder(os.environ)
+    path = folder / f"{_digest(person)}.npz" if folder else None
+    if path is not None and path.is_file():
+        with contextlib.suppress(InputError):  # damaged: made again
+            return read_face(path)
+    face = make_face(person)
+    if path is not None:
+        with contextlib.suppress(OutputError):
+            write_face(face, path)
+            _sweep(path.parent)
+            return read_face(path)
+    with tempfile.TemporaryDirectory() as own:
+        write_face(face, Path(own) / "face.npz")
+        return read_face(Path(own) / "face.npz")
+
+
+@lru_cache(maxsize=4)
+def cast_face(name: str) -> Face:
+    """A face of the cast, or a blend of two (`person_called`)."""
+    return face_of_person(person_called(name))
+
+
+def _folder(environment: Mapping[str, str]) -> Path | None:
+    """Where faces are kept; None where nothing can be written."""
+    home = environment.get("XDG_CACHE_HOME") or (environment.get("HOME") and f"{environment['HOME']}/.cache")
+    if not home:
+        return None
+    folder = Path(home) / "mien" / "faces"
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder if os.access(folder, os.W_OK) else None
+    return None
+
+
+def _digest(person: Person) -> str:
+    return sha256(_ground() + repr(person).encode()).hexdigest()[:32]
+
+
+@cache
+def _ground() -> bytes:
+    """What a face depends on besides the person: the data and the code that make it."""
+    digest = sha256()
+    here = Path(__file__).parent
+    for path in [assets_folder() / name for name in _MADE_OF] + [*sorted(here.glob("*.py")), *sorted(here.parent.glob("*.py"))]:
+        digest.update(path.read_bytes())
+    return digest.digest()
+
+
+def _sweep(folder: Path) -> None:
+    """Only the newest are kept."""
+    files = sorted(folder.glob("*.npz"), key=lambda path: path.stat().st_mtime)
+    for path in files[:-_KEPT]:
+        path.unlink(missing_ok=True)
