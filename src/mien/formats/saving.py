@@ -57,7 +57,7 @@ def save(
     from mien.formats.registry import save as save_one
 
     targets = [check_output(path) for path in paths]
-    if not isinstance(face, Face) and not (face is None or is_named_face(face)):
+    if face is not None and not isinstance(face, Face) and not is_named_face(face):
         from mien.face.foreign.gltf_document import is_gltf
         from mien.face.foreign.known_face import known_face, note_on_mouth
         from mien.face.foreign.recognition import ForeignFace

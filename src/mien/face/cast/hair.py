@@ -1,7 +1,7 @@
 """Hair and beards: strands grown out of the skin, combed, falling, kept off the head; ribbons, drawn from both sides.
 
-A strand starts at a place on the skin and takes steps; at each it is turned by the comb and by its weight, and what would
-lie in the head is pushed out to the layer of hair that the strand belongs to. Strands of inner layers are the darker.
+A strand starts at a place on the skin and takes steps; at each it is turned by the comb and by its weight, and what
+would lie in the head is pushed out to the layer of hair that the strand belongs to. Inner strands are darker.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _EAR_FREE = 0.25
 _LANES = 12
 
 Floats = NDArray[np.float64]
-Indices = NDArray[np.int32]
+Indices = NDArray[np.integer[Any]]
 
 
 class _Ground:
@@ -119,8 +119,15 @@ def _combed(cut: Mapping[str, Any], points: Floats, normal: Floats, part: float,
 
 
 def _grow(
-    ground: _Ground, cut: Mapping[str, Any], roots: _Roots, length: Floats, layer: Floats, thick: Floats,
-    chance: np.random.Generator, part: float, tie: Floats | None,
+    ground: _Ground,
+    cut: Mapping[str, Any],
+    roots: _Roots,
+    length: Floats,
+    layer: Floats,
+    thick: Floats,
+    chance: np.random.Generator,
+    part: float,
+    tie: Floats | None,
 ) -> tuple[Floats, Floats]:
     """Points (k, steps + 1, 3) of strands, and the ground's normals below them."""
     count, steps = len(length), int(cut["steps"])
@@ -174,7 +181,9 @@ def _curled(
     return np.asarray(line + size[..., None] * (np.cos(turn)[..., None] * one + np.sin(turn)[..., None] * other))
 
 
-def _ribbons(line: Floats, normals: Floats, width: Floats, twist: Floats, lane: Indices) -> tuple[Floats, Indices, Floats]:
+def _ribbons(
+    line: Floats, normals: Floats, width: Floats, twist: Floats, lane: Indices
+) -> tuple[Floats, Indices, Floats]:
     """Vertices, triangles and texture coordinates of ribbons that end in a point."""
     count, points, _ = line.shape
     heading = np.gradient(line, axis=1) if points > 2 else np.repeat(line[:, 1:] - line[:, :1], 2, axis=1)
@@ -189,7 +198,7 @@ def _ribbons(line: Floats, normals: Floats, width: Floats, twist: Floats, lane: 
     faces = [f for s in range(points - 2) for f in ((2 * s, 2 * s + 1, 2 * s + 2), (2 * s + 1, 2 * s + 3, 2 * s + 2))]
     faces.append((2 * points - 4, 2 * points - 3, 2 * points - 2))
     each = 2 * points - 1
-    triangles = (np.array(faces)[None] + each * np.arange(count)[:, None, None]).reshape(-1, 3).astype(np.int32)
+    triangles = (np.array(faces)[None] + each * np.arange(count)[:, None, None]).reshape(-1, 3)
     u = (lane[:, None] + np.r_[np.tile([0.06, 0.94], points - 1), 0.5][None]) / _LANES
     v = np.r_[np.repeat(t, 2), 1.0][None] * np.ones((count, 1))
     return vertices.reshape(-1, 3), triangles, np.stack([u.ravel(), v.ravel()], axis=1)
@@ -232,7 +241,9 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     def grown(rest: Floats) -> Floats:
         depth = hair_depth(rest, cut)
         edge = smoothstep(-1.0, 2.5, depth + chance.normal(0, 1.4, len(rest)))
-        return np.asarray(edge * (0.45 + 0.55 * smoothstep(18.0, 3.0, depth) + 0.25 * smoothstep(40.0, 90.0, rest[:, 1])))
+        return np.asarray(
+            edge * (0.45 + 0.55 * smoothstep(18.0, 3.0, depth) + 0.25 * smoothstep(40.0, 90.0, rest[:, 1]))
+        )
 
     roots = _roots(ground, growth, count, chance, grown)
     keep = smoothstep(0.05, _EAR_FREE, np.einsum("kc,kc->k", roots.shares, space.ears[roots.corners])) < 0.5
@@ -259,7 +270,8 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     line, normals = _grow(ground, cut, roots, length, layer, thick, chance, part, tie)
     for key in ("curl", "wave"):
         if key in cut:
-            line = _curled(line, normals, *cut[key], chance, together=key == "wave")
+            radius, pitch = cut[key]
+            line = _curled(line, normals, radius, pitch, chance, key == "wave")
     width = float(cut["width"]) * chance.uniform(0.7, 1.25, count) * (0.55 + 0.45 * inside)
     pieces = [(line, normals, width, layer)]
     if tie is not None:
@@ -289,7 +301,9 @@ def _tied(
         z = tie[2] - 6 - 26 * np.sin(np.pi * np.minimum(t * 1.1, 1)) * 0.8 + np.sin(turn)[:, None] * wide * 0.8
         y = tie[1] + 8 * np.sin(np.pi * np.minimum(t * 2.2, 1)) - length * t**1.25
         line = np.stack([x, y * np.ones_like(x), z * np.ones_like(x)], axis=2)
-        normals = np.stack([np.cos(turn)[:, None] * np.ones_like(x), 0 * x, np.sin(turn)[:, None] * np.ones_like(x)], axis=2)
+        normals = np.stack(
+            [np.cos(turn)[:, None] * np.ones_like(x), 0 * x, np.sin(turn)[:, None] * np.ones_like(x)], axis=2
+        )
         return line, normals, np.full(count, 2.6), layer
     radius = float(cut["knot"]) * 0.62
     _, out = ground.height(tie[None])
@@ -317,8 +331,8 @@ def _part_of(
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, vertices[:, 1])
     material = Material("hair", texture=_streaks(person.seed), roughness=0.50, specular=0.22)
     return Part(
-        name, vertices.astype(np.float32), triangles, uv.astype(np.float32), np.clip(colours, 0, 1).astype(np.float32),
-        material, weight.astype(np.float32),
+        name, vertices.astype(np.float32), triangles.astype(np.int32), uv.astype(np.float32),
+        np.clip(colours, 0, 1).astype(np.float32), material, weight.astype(np.float32),
     )  # fmt: skip
 
 
@@ -384,10 +398,16 @@ def beard_part(space: HeadSpace, face: Face, person: Person) -> Part | None:
     heading /= np.linalg.norm(heading, axis=1, keepdims=True)
     curve = np.array([0.0, -0.3, 0.0]) + 0.12 * chance.normal(size=(count, 3))
     t = np.linspace(0, 1, 4)[None, :, None]
-    line = roots.place[:, None] - 0.3 * roots.normal[:, None] + length[:, None, None] * (t * heading[:, None] + t**2 * curve[:, None])
+    line = (
+        roots.place[:, None]
+        - 0.3 * roots.normal[:, None]
+        + length[:, None, None] * (t * heading[:, None] + t**2 * curve[:, None])
+    )
     normals = np.repeat(roots.normal[:, None], 4, axis=1)
     layer = chance.uniform(0.35, 1.0, count)
-    part = _part_of("beard", line, normals, float(style["width"]) * chance.uniform(0.8, 1.3, count), layer, person, chance)
+    part = _part_of(
+        "beard", line, normals, float(style["width"]) * chance.uniform(0.8, 1.3, count), layer, person, chance
+    )
     each = len(part.vertices) // count
     targets = {}
     for name, target in face.part(SKIN).targets.items():

@@ -6,14 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from mien.face.cast.hair import beard_part, hair_parts
 from mien.face.cast.noise import smoothstep
 from mien.face.cast.people import head_weights
 from mien.face.cast.person import Person, looks
 from mien.face.cast.skin_paint import paint_skin
+from mien.face.contact import lip_seam
 from mien.face.head_reshaping import reshaped_face
-from mien.face.head_space import SKIN, head_space
+from mien.face.head_space import SKIN, HeadSpace, head_space
 from mien.face.model import Face, Material, Part, Target
 
 __all__ = ["make_face"]
@@ -37,10 +39,8 @@ def make_face(person: Person) -> Face:
     True
     """
     space = head_space()
-    weights = head_weights(
-        person.sex, person.age, person.shares, person.features, (person.weight, person.muscle)
-    )
-    face = reshaped_face(space, space.shape(weights), person.name).face
+    weights = head_weights(person.sex, person.age, person.shares, person.features, (person.weight, person.muscle))
+    face = reshaped_face(space, _sealed(space, space.shape(weights)), person.name).face
     parts = {part.name: part for part in face.parts if part.name not in _LEFT_OUT}
     parts[SKIN] = replace(parts[SKIN], material=_skin_material(person, parts[SKIN].material))
     parts["shirt"] = _dyed(parts["shirt"], person)
@@ -54,6 +54,24 @@ def make_face(person: Person) -> Face:
     added = hair_parts(space, face, person)
     beard = beard_part(space, face, person)
     return replace(face, parts=(*face.parts, *added, *((beard,) if beard else ())))
+
+
+def _sealed(space: HeadSpace, skin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The skin with lips that lie on each other at rest as the default face's do, pair by pair."""
+    lips = lip_seam()
+    sides = [(lips.upper, lips.upper_pull, -0.5), (lips.lower, lips.lower_pull, 0.5)]
+    wanted = lips.upper @ space.rest - lips.lower @ space.rest
+    for _ in range(4):
+        apart = lips.upper @ skin - lips.lower @ skin - wanted
+        moved = np.zeros_like(skin)
+        for edge, pull, share in sides:
+            near = np.flatnonzero(pull > 0.01)
+            away, pairs = cKDTree(edge @ space.rest).query(space.rest[near], k=6)
+            weight = 1 / np.maximum(away, 0.3) ** 2
+            weight /= weight.sum(axis=1, keepdims=True)
+            moved[near] += 2 * pull[near, None] * share * np.einsum("nk,nkc->nc", weight, apart[pairs])
+        skin = skin + moved
+    return skin
 
 
 def _skin_material(person: Person, material: Material) -> Material:
@@ -117,7 +135,11 @@ def _brows(brows: Part, person: Person) -> Part:
     triangles = number[brows.triangles]
     triangles = triangles[(triangles >= 0).all(axis=1)].astype(np.int32)
     hairs = brows.vertices.reshape(count, each, 3)
-    middle = (hairs[:, 0:2].mean(axis=1, keepdims=True), hairs[:, 2:4].mean(axis=1, keepdims=True), hairs[:, 4:6].mean(axis=1, keepdims=True))
+    middle = (
+        hairs[:, 0:2].mean(axis=1, keepdims=True),
+        hairs[:, 2:4].mean(axis=1, keepdims=True),
+        hairs[:, 4:6].mean(axis=1, keepdims=True),
+    )
     wide = np.float32(0.62 + 0.45 * person.brows)
     hairs = np.concatenate(
         [m + wide * (hairs[:, 2 * k : 2 * k + 2] - m) for k, m in enumerate(middle)] + [hairs[:, 6:]], axis=1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mien.core.compiled import njit
 
@@ -14,9 +14,10 @@ _SIDE = 64
 Floats = NDArray[np.float32]
 
 
-def smoothstep(low: float, high: float, x: NDArray[np.floating]) -> NDArray[np.floating]:
+def smoothstep(low: ArrayLike, high: ArrayLike, x: NDArray[np.floating]) -> NDArray[np.floating]:
     """0 below ``low``, 1 above ``high``, smooth between (``low`` may be the larger: then it falls)."""
-    t = np.clip((x - low) / (high - low), 0, 1)
+    low = np.asarray(low)
+    t = np.clip((x - low) / (np.asarray(high) - low), 0, 1)
     return np.asarray(t * t * (3 - 2 * t))
 
 

@@ -14,7 +14,7 @@ from mien.core.assets import asset
 __all__ = ["drawn_features", "feature_names", "head_weights", "open_sky"]
 
 _YOUNG, _OLD, _CHILD = 25.0, 90.0, 8.0  # years at which MakeHuman's characters of these names stand
-_DRAWN, _SPREAD = 18, 0.28  # local features that a seed draws, and how far they go
+_DRAWN, _SPREAD = 18, 0.36  # local features that a seed draws, and how far they go
 _ORIGINS = ("african", "asian", "caucasian")
 # What MakeHuman's means lack to look like somebody: hand-made, by eye. For all, women, men, and the old, who frown.
 _TOUCHES: tuple[dict[str, float], ...] = (

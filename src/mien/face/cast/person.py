@@ -13,7 +13,7 @@ from mien.core.assets import asset_table, assets_in
 from mien.core.errors import InputError, unknown_name
 from mien.face.cast.people import drawn_features, feature_names
 
-__all__ = ["AGES", "Person", "blended", "cast_names", "looks", "made_up", "person_named"]
+__all__ = ["AGES", "Person", "blended", "cast_names", "is_blend", "looks", "made_up", "person_called", "person_named"]
 
 AGES = (14, 95)
 """Youngest and oldest face that can be made, years."""
@@ -23,7 +23,9 @@ _CHANCE_OF_CUT = {
     "m": ("short", "side", "back", "buzz", "crop", "curls", "thinning", "shaved"),
 }
 _BEARDS = ("", "", "stubble", "full", "goatee", "moustache", "short")
-_TIGHT = {"african": {"long": "braids", "bob": "afro", "side": "buzz", "back": "buzz", "fringe": "afro", "short": "buzz"}}
+_TIGHT = {
+    "african": {"long": "braids", "bob": "afro", "side": "buzz", "back": "buzz", "fringe": "afro", "short": "buzz"}
+}
 
 Colour = tuple[float, float, float]
 
@@ -43,6 +45,8 @@ class Person:
         Of MakeHuman's origins african, asian and caucasian; they sum to 1.
     seed : int
         Where each hair and freckle is.
+    origin : str
+        One of ``looks()["origins"]``; "" between two.
     features : mapping of str to float
         MakeHuman's local targets (`mien.face.cast.people.feature_names`), such as ``nose-width1-incr``: what makes
         this face unlike others of its kind.
@@ -75,12 +79,32 @@ class Person:
     eyes: tuple[Colour, Colour]
     shirt: Colour
     beard: str = ""
+    origin: str = ""
     features: Mapping[str, float] = field(default_factory=dict)
     weight: float = 0.0
     muscle: float = 0.0
     freckles: float = 0.0
     grey: float = 0.0
     brows: float = 0.8
+
+    @property
+    def summary(self) -> str:
+        """In a few words.
+
+        Examples
+        --------
+        >>> person_named("kofi").summary
+        'man, 58, african, hair: buzz, beard: short'
+        """
+        sex = "woman" if self.sex > 0.5 else "man"
+        facts = [
+            sex,
+            f"{self.age:.0f}",
+            self.origin,
+            f"hair: {self.hair}",
+            f"beard: {self.beard}" if self.beard else "",
+        ]
+        return ", ".join(fact for fact in facts if fact)
 
     @property
     def ageing(self) -> float:
@@ -126,6 +150,44 @@ def person_named(name: str) -> Person:
         if key not in known:
             raise unknown_name(f"entry in {name}.toml", key, known)
     return made_up(name=name, **entry)
+
+
+def is_blend(name: str) -> bool:
+    """Whether a name asks for something between two of the cast, such as ``amara+mei`` or ``amara+mei:0.3``.
+
+    Examples
+    --------
+    >>> is_blend("amara+mei:0.3"), is_blend("amara"), is_blend("a+b.glb")
+    (True, False, False)
+    """
+    one, plus, rest = name.partition("+")
+    return bool(plus) and one in cast_names() and rest.partition(":")[0] in cast_names()
+
+
+def person_called(name: str) -> Person:
+    """Who a name of the cast, or of a blend of two (`is_blend`), stands for.
+
+    Raises
+    ------
+    InputError
+        If the share of the second is no number from 0 to 1.
+
+    Examples
+    --------
+    >>> person_called("amara+kofi:0.25").age
+    32.5
+    """
+    one, plus, rest = name.partition("+")
+    if not plus:
+        return person_named(name)
+    other, colon, share = rest.partition(":")
+    try:
+        number = float(share) if colon else 0.5
+    except ValueError:
+        number = -1.0
+    if not 0 <= number <= 1:
+        raise InputError(f"a blend of two faces is NAME+NAME:0..1 (the share of the second), not {name!r}")
+    return blended(person_named(one), person_named(other), number)
 
 
 def made_up(
@@ -176,7 +238,8 @@ def made_up(
     drawn_sex, drawn_age = float(chance.integers(2)), float(chance.uniform(20, 75))
     drawn_origin = str(chance.choice(sorted(tables["origins"])))
     sex_number = drawn_sex if sex is None else sexes[sex]
-    kind = tables["origins"][origin or drawn_origin]
+    origin = origin or drawn_origin
+    kind = tables["origins"][origin]
     years = float(drawn_age if age is None else age)
     drawn = _drawn_looks(chance, sex_number, years, kind)
     for key, value in own.items():
@@ -185,7 +248,7 @@ def made_up(
     for feature, amount in drawn.pop("features", {}).items():
         features[feature] = features.get(feature, 0.0) + amount
     return _checked(
-        Person(name, sex_number, years, dict(kind["shares"]), seed, **drawn, features=features)
+        Person(name, sex_number, years, dict(kind["shares"]), seed, **drawn, origin=origin, features=features)
     )
 
 
@@ -235,9 +298,10 @@ def _checked(person: Person) -> Person:
     for name in person.features:
         if name not in feature_names():
             raise unknown_name("feature", name, feature_names())
-    for key, low, high in (("tone", 0, 1), ("grey", 0, 1), ("freckles", 0, 1), ("brows", 0, 1.3)):
+    for key, low, high in (("tone", 0, 1), ("grey", 0, 1), ("freckles", 0, 1), ("brows", 0, 1.3), ("weight", -1, 1),
+                           ("muscle", -1, 1)):  # fmt: skip
         value = getattr(person, key)
-        if not low <= value <= high:
+        if not isinstance(value, (int, float)) or not low <= value <= high:
             raise InputError(f"{key} of a face lies between {low} and {high}, not {value}")
     return person
 
@@ -257,7 +321,7 @@ def blended(one: Person, other: Person, share: float) -> Person:
         elif entry.name in ("shares", "features"):
             keys = sorted({*a, *b})
             mixed[entry.name] = {k: (1 - share) * a.get(k, 0.0) + share * b.get(k, 0.0) for k in keys}
-    return replace(near, **mixed)
+    return replace(near, origin=one.origin if one.origin == other.origin else "", **mixed)
 
 
 def _between(one: Colour, other: Colour, share: float) -> Colour:

@@ -92,7 +92,7 @@ class _Paint:
     def zone(self, name: str) -> NDArray[np.float64]:
         """A zone's colour on this skin."""
         fair, dark = (np.array(ratio) for ratio in _ZONES[name])
-        return np.clip(self.base * (fair + (dark - fair) * self.person.tone), 0, 1)
+        return np.asarray(np.clip(self.base * (fair + (dark - fair) * self.person.tone), 0, 1))
 
     def mix(self, share: NDArray[np.floating], colour: NDArray[np.floating]) -> None:
         """Lay a colour over, by share 0..1."""
@@ -183,13 +183,17 @@ def _mottle(paint: _Paint) -> None:
     brown = paint.zone("brown")
     clusters = smoothstep(-0.3, 0.6, value_noise(place, 9, seed + 31))
     seeds = value_noise(place, 2.0, seed + 30)
-    centre = paint.spot(24, -20, 25, (26, 16, 30)) + paint.spot(0, -16, 36, (10, 14, 14)) + 0.5 * paint.spot(
-        0, 40, 25, (48, 24, 40)
+    centre = (
+        paint.spot(24, -20, 25, (26, 16, 30))
+        + paint.spot(0, -16, 36, (10, 14, 14))
+        + 0.5 * paint.spot(0, 40, 25, (48, 24, 40))
     )
     amount = 0.12 + 0.88 * person.freckles
     paint.mix(0.62 * amount * smoothstep(0.66 - 0.16 * amount, 0.82, seeds) * clusters * np.minimum(centre, 1), brown)
     chance = np.random.default_rng([seed, 7])
-    face = np.flatnonzero((place[:, 2] > 5) & (paint.sheet.lips < 0.05) & (np.abs(place[:, 0]) < 60) & (place[:, 1] > -130))
+    face = np.flatnonzero(
+        (place[:, 2] > 5) & (paint.sheet.lips < 0.05) & (np.abs(place[:, 0]) < 60) & (place[:, 1] > -130)
+    )
     for _ in range(int(chance.integers(1, 5))):
         middle = place[face[chance.integers(len(face))]]
         away = np.linalg.norm(place - middle, axis=1)
@@ -209,7 +213,9 @@ def _age(paint: _Paint) -> None:
     paint.darken(person.ageing * shade[paint.sheet.covered], tint)
     lines = np.maximum(value_noise(place * np.array([0.25, 1.0, 0.25]), 1.5, person.seed + 61) - 0.15, 0)
     upright = np.maximum(value_noise(place * np.array([1.0, 0.22, 0.3]), 1.4, person.seed + 62) - 0.2, 0)
-    where = paint.spot(0, 45, 30, (42, 18, 40)) + paint.spot(46, -4, 5, (14, 14, 22)) + paint.spot(30, -14, 16, (16, 7, 20))
+    where = (
+        paint.spot(0, 45, 30, (42, 18, 40)) + paint.spot(46, -4, 5, (14, 14, 22)) + paint.spot(30, -14, 16, (16, 7, 20))
+    )
     paint.darken(0.26 * person.ageing * lines * np.minimum(where, 1), np.ones(3))
     about = paint.spot(0, -52, 30, (24, 7, 20)) + 0.6 * paint.spot(0, -76, 28, (22, 8, 20))
     paint.darken(0.22 * person.ageing * upright * np.minimum(about, 1), np.ones(3))
@@ -228,7 +234,9 @@ def _growth(paint: _Paint) -> None:
     growth = hair_growth(place, cut) * (1 - smoothstep(0.05, 0.4, paint.sheet.ears))
     speck = 0.5 + 0.5 * smoothstep(-0.5, 0.5, value_noise(place, 0.5, person.seed + 42))
     cover = float(cut.get("scalp", 0.9))
-    paint.mix(cover * smoothstep(0.12, 0.62, growth + ragged * (growth > 0.02)) * (speck if cover < 0.7 else 1), hair_shade)
+    paint.mix(
+        cover * smoothstep(0.12, 0.62, growth + ragged * (growth > 0.02)) * (speck if cover < 0.7 else 1), hair_shade
+    )
     brows = brow_growth(place)
     brow = dark * 0.9 + 0.7 * person.grey * (np.array([0.5, 0.48, 0.46]) - dark * 0.9)
     paint.mix(0.38 * person.brows * smoothstep(0.1, 0.9, brows + ragged * (brows > 0.05)), brow)

@@ -13,53 +13,15 @@ from pathlib import Path
 from mien.core.assets import assets_folder
 from mien.core.errors import InputError, OutputError
 from mien.face.cast.making import make_face
-from mien.face.cast.person import Person, blended, cast_names, person_named
+from mien.face.cast.person import Person, person_called
 from mien.face.model import Face
 from mien.face.storage import read_face, write_face
 
-__all__ = ["cast_face", "face_of_person", "is_blend", "person_called"]
+__all__ = ["cast_face", "face_of_person"]
 
 _KEPT = 64  # faces
 _MADE_OF = ("faces/default.npz", "fitting/default.npz", "fitting/people.npz", "render/folds.npz", "faces/looks.toml",
             "faces/cuts.toml")  # fmt: skip
-
-
-def is_blend(name: str) -> bool:
-    """Whether a name asks for something between two of the cast, such as ``amara+mei`` or ``amara+mei:0.3``.
-
-    Examples
-    --------
-    >>> is_blend("amara+mei:0.3"), is_blend("amara"), is_blend("a+b.glb")
-    (True, False, False)
-    """
-    one, plus, rest = name.partition("+")
-    return bool(plus) and one in cast_names() and rest.partition(":")[0] in cast_names()
-
-
-def person_called(name: str) -> Person:
-    """Who a name of the cast, or of a blend of two (`is_blend`), stands for.
-
-    Raises
-    ------
-    InputError
-        If the share of the second is no number from 0 to 1.
-
-    Examples
-    --------
-    >>> person_called("amara+kofi:0.25").age
-    32.5
-    """
-    one, plus, rest = name.partition("+")
-    if not plus:
-        return person_named(name)
-    other, colon, share = rest.partition(":")
-    try:
-        number = float(share) if colon else 0.5
-    except ValueError:
-        number = -1.0
-    if not 0 <= number <= 1:
-        raise InputError(f"a blend of two faces is NAME+NAME:0..1 (the share of the second), not {name!r}")
-    return blended(person_named(one), person_named(other), number)
 
 
 def face_of_person(person: Person) -> Face:
@@ -107,7 +69,10 @@ def _ground() -> bytes:
     """What a face depends on besides the person: the data and the code that make it."""
     digest = sha256()
     here = Path(__file__).parent
-    for path in [assets_folder() / name for name in _MADE_OF] + [*sorted(here.glob("*.py")), *sorted(here.parent.glob("*.py"))]:
+    for path in [assets_folder() / name for name in _MADE_OF] + [
+        *sorted(here.glob("*.py")),
+        *sorted(here.parent.glob("*.py")),
+    ]:
         digest.update(path.read_bytes())
     return digest.digest()
 

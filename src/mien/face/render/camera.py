@@ -19,6 +19,7 @@ __all__ = ["Camera", "head_extent"]
 # The eyes lie about half-way up a head; so the crown's height over the eyes, times these, frames head and shoulders.
 _FIELD, _CENTRE, _WIDTH = 2.75, -0.2, 2.0
 _HEAD_FIELD, _HEAD_CENTRE, _HEAD_WIDTH = 2.25, -0.03, 2.0
+_HAIR = 1.12  # crown of the head with hair, of the crown of the skin
 _DISTANCE_MM = 1100.0  # a portrait lens's distance
 
 
@@ -104,6 +105,9 @@ def head_extent(face: Face) -> tuple[float, float, float]:
     points = np.concatenate([piece for piece in moved if len(piece)] or [np.zeros((1, 3), np.float32)])
     low, high = points.min(axis=0), points.max(axis=0)
     crown = float(high[1]) if high[1] > 0 else float(high[1] - low[1]) / 2
+    skin = [part.vertices for part in face.parts if part.name == "skin"]
+    if skin and skin[0][:, 1].max() > 0:  # hair that stands up does not make a face smaller
+        crown = min(crown, _HAIR * float(skin[0][:, 1].max()))
     if not crown > 0:
         raise InputError(f"face {face.name!r} has no head to frame: no vertex with head_weight above 0.5 and a height")
     return crown, float(low[0] + high[0]) / 2, float(high[2])
