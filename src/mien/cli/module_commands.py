@@ -68,6 +68,9 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
 def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int]) -> None:
     parser.add_argument("--commands", metavar="FOLDER", action="append", default=[], help="command files of your own")
     parser.add_argument("--listen", metavar="[HOST:]PORT", help="read from whoever connects there, not standard input")
+    parser.add_argument(
+        "--token", help="what the sender must know, with --listen, and what the next module wants, with --connect"
+    )
     parser.add_argument("--stay", action="store_true", help="with --listen: go on after a sender has ended")
     parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to whoever listens there, not standard output")
     parser.add_argument(
@@ -97,7 +100,7 @@ def _run(
     _check_streams(options)
     address = parse_address(options.connect) if options.connect is not None else None
     if source is None and options.listen is not None:
-        source = listener = Listener(*parse_address(options.listen), messages, options.stay)
+        source = listener = Listener(*parse_address(options.listen), messages, options.stay, options.token)
         if not options.quiet:
             print(f"mien {name}: listening at port {listener.port}", file=sys.stderr, flush=True)
     elif source is None:
@@ -106,7 +109,7 @@ def _run(
         source = StandardInput(sys.stdin, messages())
     sink: Sink = StandardOutput()
     if address is not None:
-        sink = Sender(*address, patience=options.patience)
+        sink = Sender(*address, patience=options.patience, token=options.token)
     line = refusal_frame if name == "perform" else refusal
     answered = address is not None or getattr(options, "output", None) is not None
     return Module(name, handle, source, sink, refusal_line=None if answered else line).run()
@@ -117,6 +120,8 @@ def _check_streams(options: argparse.Namespace) -> None:
 
     if options.stay and options.listen is None:
         raise InputError("--stay is for --listen: a stream on standard input ends once")
+    if options.token is not None and options.listen is None and options.connect is None:
+        raise InputError("--token is for --listen and --connect: standard input and output have none")
     if getattr(options, "patience", 1.0) < 0:
         raise InputError(f"--patience is seconds, 0 or more, not {options.patience:g}")
     if getattr(options, "seed", 0) < 0:

@@ -46,6 +46,44 @@ def test_messages_arrive_in_order_and_are_answered() -> None:
     assert answers == [f"{number}None" for number in range(50)]
 
 
+def test_what_other_machines_can_reach_wants_a_token() -> None:
+    with pytest.raises(InputError, match="give --token"):
+        Listener("0.0.0.0", 0, lambda: Messages(()))
+    heard: list[str] = []
+    source = Listener("127.0.0.1", 0, lambda: Messages(()), token="a token <&")
+    thread = collect(source, heard)
+    with socket.create_connection(("127.0.0.1", source.port)) as stranger:
+        stranger.sendall(b"<token>another </token>\n<m/>\n")
+        assert b"refused" in stranger.recv(100)
+    sender = Sender("127.0.0.1", source.port, token="a token <&")
+    sender.send("<m/>", "abcdef01:1", lambda *_: None)
+    sender.close()
+    thread.join(5)
+    assert heard == ["<m/>"]
+
+
+def test_a_sender_without_the_token_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mien.serve.modules.transport.PATIENCE", 0.2)
+    source = Listener("127.0.0.1", 0, lambda: Messages(()), token="12345678")
+    collect(source, heard := [])
+    sender = Sender("127.0.0.1", source.port, patience=0.5)
+    sender.send("<m/>", "abcdef01:1", lambda *_: None)
+    with pytest.raises(OutputError, match="does it want a --token"):
+        sender.close()
+    assert heard == []
+
+
+def test_long_messages_cost_what_they_hold() -> None:
+    for head, line in (
+        ("<speak>", "<x/>"),
+        ("<!-- a", "b -- c"),
+        ("<?xml version='1'?>", "<!-- a -->"),
+        ("<N a='", "b"),
+    ):
+        messages = Messages({"N"}, texts=True)
+        assert [m for text in (head, *[line] * 30_000) for m in messages.take(text)] == []
+
+
 def test_a_receiver_that_does_not_answer_holds_the_sender_up() -> None:
     heard: list[str] = []
     source = listener()

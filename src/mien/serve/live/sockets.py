@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import http
-import ipaddress
 import secrets
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
@@ -15,11 +14,12 @@ from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from mien.core.errors import InputError, OutputError
+from mien.core.errors import OutputError
+from mien.serve.addresses import check_address, is_loopback
 from mien.serve.live.frames import END, Greeting, encode_frame
 from mien.serve.live.hub import Hub, Listener
 
-__all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "check_address", "is_loopback", "websocket_stream"]
+__all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "websocket_stream"]
 
 MOST_CLIENTS = 64
 """Clients at once; one more is turned away."""
@@ -67,37 +67,6 @@ class Access:
         if origin is not None and origin not in self.origins and not is_loopback(urlsplit(origin).hostname or ""):
             return http.HTTPStatus.FORBIDDEN, f"pages of {origin[:100]} may not listen\n"
         return None
-
-
-def check_address(host: str, port: int, token: str | None) -> None:
-    """Refuse an address that others can reach without a token, and ports and tokens that are none.
-
-    Raises
-    ------
-    InputError
-    """
-    if not 0 <= port <= 65535:
-        raise InputError(f"a port runs from 0 to 65535, not {port}")
-    if token is not None and len(token) < 8:
-        raise InputError("a token has at least 8 characters")
-    if token is None and not is_loopback(host):
-        raise InputError(f"{host} can be reached by other machines: give --token, which every client must know")
-
-
-def is_loopback(host: str) -> bool:
-    """Whether an address is this machine's own.
-
-    Examples
-    --------
-    >>> is_loopback("127.0.0.1"), is_loopback("::1"), is_loopback("0.0.0.0"), is_loopback("example.org")
-    (True, True, False, False)
-    """
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 @contextlib.asynccontextmanager

@@ -15,6 +15,10 @@ from mien.text.tags import ROOTS
 
 __all__ = ["MOST_CHARACTERS", "Message", "Messages"]
 
+_CUT = re.compile(r"</?([A-Za-z_][\w.:-]*)[^<>]*$")
+_OPEN_LINES = 20
+"""Lines over which a command may be left open."""
+_PROLOG = {"<?": "?>", "<!--": "-->", "<!DOCTYPE": ">"}
 MOST_CHARACTERS = 256_000_000
 """Longest message: over an hour of sound."""
 _NAME = re.compile(r"\s*<([A-Za-z_][\w.:-]*)")
@@ -53,6 +57,8 @@ class Messages:
         self.begun = 0
         self.count = 0
         self.size = 0
+        self.elements = 0
+        self.root = self.until = ""
 
     def take(self, line: str) -> list[Message]:
         """The messages that a further line completes.
@@ -73,6 +79,7 @@ class Messages:
             self.begun = self.count
         self.lines.append(line)
         self.size += len(line)
+        self.elements += line.count("<")
         if self.size > MOST_CHARACTERS:
             self._clear()
             raise InputError(f"line {self.begun}: a message of more than {MOST_CHARACTERS} characters")
@@ -88,7 +95,7 @@ class Messages:
 
     def _clear(self) -> str:
         text = "\n".join(self.lines)
-        self.lines, self.size = [], 0
+        self.lines, self.size, self.elements, self.root, self.until = [], 0, 0, "", ""
         return text
 
     def _closed(self) -> Message:
@@ -100,29 +107,49 @@ class Messages:
 
     def _left_open(self, line: str) -> bool:
         """Whether the command under way was left open, since something else begins."""
-        if len(self.lines) > 20 or not self._is_lone():
+        if len(self.lines) > _OPEN_LINES or not self._is_lone():
             return False
         name = _NAME.match("\n".join(self.lines))
         closing = name is not None and line.lstrip().startswith((f"</{name[1]}", "<key", "<!--"))
         return bool(line.strip()) and not closing
 
     def _complete(self) -> bool:
-        first = _NAME.match(self.lines[0])
+        """Whether the last line ends the message; looks at it alone, so that long ones cost what they hold."""
+        line = self.lines[-1]
         if self.lines[0].lstrip().startswith(("<?xml", "<!--", "<!DOCTYPE")):
-            return self._root_ended()
+            self._pass_prolog(line)
+            return self.root != "" and self._closes(self.root)
+        first = _NAME.match(self.lines[0])
         if self.texts and (first is None or first[1].rpartition(":")[2] not in ROOTS):
             # Text with tags: a line, unless it ends inside a tag, or is a command that was left open.
-            cut = re.search(r"</?([A-Za-z_][\w.:-]*)[^<>]*$", "\n".join(self.lines))
-            return (cut is None or cut[1] not in self.commands) and not self._is_lone()
+            if len(self.lines) > 1 and "<" not in line and ">" not in line:
+                return False
+            cut = _CUT.search(line)
+            return (cut is None or cut[1] not in self.commands) and not (
+                len(self.lines) <= _OPEN_LINES and self._is_lone()
+            )
         if first is None:
             return True
-        last = self.lines[-1].rstrip()
-        if re.search(rf"</{re.escape(first[1])}\s*>$", last):
-            return True
-        return last.endswith("/>") and "\n".join(self.lines).count("<") == 1
+        return self._closes(first[1]) or (line.rstrip().endswith("/>") and self.elements == 1)
 
-    def _root_ended(self) -> bool:
-        text = "\n".join(self.lines)
-        bare = re.sub(r"<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>", "", text, flags=re.DOTALL)
-        root = re.search(r"<([A-Za-z_][\w.:-]*)", bare)
-        return root is not None and re.search(rf"</{re.escape(root[1])}\s*>\s*$", text) is not None
+    def _closes(self, name: str) -> bool:
+        tail = "\n".join(self.lines[-2:]) if ">" in self.lines[-1] else ""
+        return re.search(rf"</{re.escape(name)}\s*>\s*$", tail) is not None
+
+    def _pass_prolog(self, line: str) -> None:
+        """Find the root's name behind declarations and remarks, which may go over many lines."""
+        at = 0
+        while not self.root:
+            if self.until:
+                end = line.find(self.until, at)
+                if end < 0:
+                    return
+                at, self.until = end + len(self.until), ""
+                continue
+            at = line.find("<", at)
+            if at < 0:
+                return
+            name = _NAME.match(line, at)
+            self.root = name[1] if name else ""
+            self.until = next((end for begin, end in _PROLOG.items() if line.startswith(begin, at)), "")
+            at += 1

@@ -4,12 +4,15 @@ On TCP every line is ``ID MESSAGE``; the receiver answers ``<done id="ID"/>`` on
 all modules after it, or ``<refused id="ID" module="NAME">why</refused>``; the sender ends with ``<end/>``. A sender
 keeps what was not answered and sends it again when a module comes back; a receiver knows the IDs it has dealt with, so
 nothing is done twice by a module that stayed alive. At most `WINDOW` messages are unanswered, so a slow module slows
-those before it.
+those before it. With a token, every connection begins with the line ``<token>TOKEN</token>``; a listener that other
+machines can reach has one.
 """
 
 from __future__ import annotations
 
+import contextlib
 import re
+import secrets
 import socket
 import sys
 import threading
@@ -23,10 +26,12 @@ from xml.sax.saxutils import escape, quoteattr
 
 from mien.core.errors import InputError, OutputError
 from mien.core.limits import is_whole
+from mien.serve.addresses import check_address
 from mien.serve.modules.messages import MOST_CHARACTERS, Message, Messages
 from mien.serve.modules.xml_form import element_of
 
 __all__ = [
+    "PATIENCE",
     "WINDOW",
     "Delivery",
     "Listener",
@@ -41,6 +46,8 @@ __all__ = [
 WINDOW = 4
 """Messages on their way at once between two modules."""
 _REMEMBERED = 10_000
+PATIENCE = 5.0
+"""Seconds within which a sender has to give its token."""
 _RETRY = 0.2  # seconds between two tries to reach a module
 _IDENTIFIED = re.compile(r"([0-9a-f]{8}:[0-9.]+) (.*)", re.DOTALL)
 
@@ -160,10 +167,25 @@ class Listener:
         Gives a fresh `Messages` for each connection.
     stay : bool
         Whether to go on listening after a sender has ended.
+    token : str, optional
+        What a sender has to begin with, within `PATIENCE` seconds.
+
+    Raises
+    ------
+    InputError
+        If others could reach it and there is no token, or the address cannot be listened at.
     """
 
-    def __init__(self, host: str, port: int, make_messages: Callable[[], Messages], stay: bool = False) -> None:
-        self.make_messages, self.stay = make_messages, stay
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        make_messages: Callable[[], Messages],
+        stay: bool = False,
+        token: str | None = None,
+    ) -> None:
+        check_address(host, port, token)
+        self.make_messages, self.stay, self.token = make_messages, stay, token
         self.answers: OrderedDict[str, tuple[str | None, str] | None] = OrderedDict()
         self.lock = threading.Lock()
         self.connection: socket.socket | None = None
@@ -180,6 +202,9 @@ class Listener:
         while not ended or self.stay:
             connection, _ = self.server.accept()
             _keep_alive(connection)
+            if self.token is not None and not _knows(connection, self.token):
+                connection.close()
+                continue
             with self.lock:
                 self.connection = connection
             ended = yield from self._of(connection)
@@ -259,10 +284,33 @@ class Listener:
                     self.connection = None
 
 
+def _knows(connection: socket.socket, token: str) -> bool:
+    """Whether a sender begins with the token; one that is silent is not waited for."""
+    expected, given, until = _greeting(token), b"", time.monotonic() + PATIENCE
+    try:
+        while len(given) < len(expected) and b"\n" not in given and (left := until - time.monotonic()) > 0:
+            connection.settimeout(left)
+            more = connection.recv(len(expected) - len(given))
+            if not more:
+                return False
+            given += more
+        if not secrets.compare_digest(given, expected):
+            connection.sendall(b'<refused id="">the token is missing or wrong</refused>\n')
+            return False
+        connection.settimeout(None)
+    except OSError:  # silent, or gone
+        return False
+    return True
+
+
+def _greeting(token: str) -> bytes:
+    return f"<token>{escape(token)}</token>\n".encode()
+
+
 def _lines_of(stream: IO[bytes]) -> Iterator[bytes]:
     """Whole lines; half a line at the end (a sender that died) does not count unless it has no identity."""
     try:
-        while line := stream.readline(4 * MOST_CHARACTERS):
+        while line := stream.readline(MOST_CHARACTERS):
             if not line.endswith(b"\n") and re.match(rb"[0-9a-f]{8}:[0-9.]+ ", line):
                 return
             yield line
@@ -280,10 +328,14 @@ class Sender:
         Seconds for which a module may be away.
     window : int
         Messages that may be unanswered.
+    token : str, optional
+        What the module wants to be told first.
     """
 
-    def __init__(self, host: str, port: int, patience: float = 30.0, window: int = WINDOW) -> None:
-        self.host, self.port, self.patience, self.window = host, port, patience, window
+    def __init__(
+        self, host: str, port: int, patience: float = 30.0, window: int = WINDOW, token: str | None = None
+    ) -> None:
+        self.host, self.port, self.patience, self.window, self.token = host, port, patience, window, token
         self.waiting: OrderedDict[str, tuple[str, Answer]] = OrderedDict()
         self.changed = threading.Condition()
         self.connection: socket.socket | None = None
@@ -353,6 +405,9 @@ class Sender:
                 continue
             connection.settimeout(None)
             _keep_alive(connection)
+            if self.token is not None:
+                with contextlib.suppress(OSError):  # broken off already: heard below
+                    connection.sendall(_greeting(self.token))
             with self.changed:
                 self.connection = connection
                 for identity, (text, _) in list(self.waiting.items()):
@@ -360,8 +415,13 @@ class Sender:
                 if self.ended:
                     self._put("<end/>\n")
                 self.changed.notify_all()
-            self._hear(connection)
-            away = time.monotonic()
+            if self._hear(connection):
+                away = time.monotonic()
+            elif time.monotonic() - away > self.patience:
+                self._give_up(OSError(0, "it breaks off at once: does it want a --token?"))
+                return
+            else:
+                time.sleep(_RETRY)
             if self.ended and not self.waiting:
                 self._finish()
                 return
@@ -380,11 +440,13 @@ class Sender:
             )
             self.changed.notify_all()
 
-    def _hear(self, connection: socket.socket) -> None:
-        """Answers, until the connection breaks."""
+    def _hear(self, connection: socket.socket) -> bool:
+        """Answers, until the connection breaks; whether somebody was there: it answered, or held on for a while."""
+        heard, began = False, time.monotonic()
         try:
             with connection.makefile("r", encoding="utf-8", errors="replace") as stream:
                 for line in stream:
+                    heard = heard or not line.startswith('<refused id=""')
                     if line.strip() == "<end/>":
                         self._finish()
                         break
@@ -395,6 +457,7 @@ class Sender:
             if self.connection is connection:
                 self.connection = None
         connection.close()
+        return heard or time.monotonic() - began > PATIENCE
 
     def _heard(self, line: str) -> None:
         try:

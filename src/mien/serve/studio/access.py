@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 from aiohttp import hdrs, web
 
-from mien.serve.live.sockets import is_loopback
+from mien.serve.addresses import is_loopback
 from mien.serve.studio.settings import StudioSettings
 
 __all__ = ["COOKIE", "HEADERS", "Gate"]

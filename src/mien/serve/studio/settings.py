@@ -6,7 +6,7 @@ import secrets
 from dataclasses import dataclass, field
 from urllib.parse import urlencode
 
-from mien.serve.live.sockets import check_address
+from mien.serve.addresses import check_address
 
 __all__ = ["Limits", "StudioSettings"]
 
