@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
+from typing import TYPE_CHECKING, ClassVar
 
 from mien.animation.edits.applied import AppliedEdits
 from mien.core.audio import Audio
 from mien.core.channels import ALL
-from mien.core.errors import Note
+from mien.core.errors import MissingPartError, Note
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
 from mien.text.score import Score
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 __all__ = ["Animation", "Provenance", "imported"]
 
@@ -53,6 +58,28 @@ class Animation:
     provenance: Provenance
     notes: tuple[Note, ...] = ()
     edits: AppliedEdits | None = None
+    html_of: ClassVar[Callable[[Animation], str] | None] = None
+    """What shows an animation in a notebook; the room that has faces and formats sets it (`mien.api.notebook`)."""
+
+    def to_frame(self) -> DataFrame:
+        """The channels as a pandas DataFrame: a row for each frame, its seconds as index, a column for each channel.
+
+        Weights are 0 to 1, angles of the head degrees.
+
+        Raises
+        ------
+        MissingPartError
+            If pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame, Index
+        except ImportError as problem:
+            raise MissingPartError("a table needs pandas: pip install pandas") from problem
+        seconds = self.rate.times(len(self.channels))
+        return DataFrame(self.channels.values, Index(seconds, name="seconds"), columns=list(self.channels.names))
+
+    def _repr_html_(self) -> str | None:
+        return None if Animation.html_of is None else Animation.html_of(self)
 
     @property
     def rate(self) -> FrameRate:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mien.animation.animation import Animation, imported
 from mien.animation.edits import EditLayer
+from mien.api import notebook  # noqa: F401 - animations show themselves from here on
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.timeline import FrameRate
@@ -24,8 +25,10 @@ from mien.pipeline.options import (
     effort_by_hand,
     layer_of,
     prepared,
+    rate_of,
     score_of,
     score_with_voice,
+    semitones_of,
     share_of,
     split_auto,
     with_heard_effort,
@@ -43,6 +46,8 @@ def say(
     effort: Effort = None,
     voice: str | None = None,
     voice_emotion: float | str = 1.0,
+    rate: float | str | None = None,
+    pitch: float | str | None = None,
     language: str | Path | None = None,
     fps: Rate = DEFAULT_FPS,
     seed: int = 0,
@@ -69,9 +74,15 @@ def say(
         How hard the words are articulated, 0 to 2 (1: as recorded): ``1.4``, ``"0.5@0,1.6@2"`` (value at second),
         ``"curve.csv"`` (``docs/effort.md``). None: 1, and what the emotions have of their own; ``"off"``: 1.
     voice : str or None
-        Name of a voice (``mien doctor`` lists them); None takes the best one that is installed.
+        Name of a voice (``mien voices`` lists them), the part of it that no other has (``"heart"``), ``"female"`` or
+        ``"male"``; None takes the best one that is installed.
     voice_emotion : float or "off"
         How much the voice goes with the emotion: 0 (or ``"off"``: it speaks as without one) to 1.
+    rate : float, str or None
+        How fast it is spoken: 1 as usual, ``0.8`` or ``"80%"`` slower. As ``<prosody>`` around the whole: an emotion
+        then leaves it alone.
+    pitch : float, str or None
+        Semitones above the usual.
     language : str, Path or None
         A tag such as ``"fi"``, or a phone map in a file (``docs/languages.md``); None takes the voice's, and English
         without one.
@@ -115,7 +126,7 @@ def say(
             "'auto' reads the emotion from a recorded voice; a synthetic one has what it is given: name an emotion"
         )
     layer = layer_of(edits)
-    performer, score, rate = prepared(
+    performer, score, frames = prepared(
         performer, emotion, fps, seed, prosody, speech_model, alive, effort_by_hand(effort)
     )
     spoken = spoken_text(
@@ -127,8 +138,10 @@ def say(
         commands=commands,
         score=score,
         voice_emotion=share_of("emotion in the voice", voice_emotion),
+        rate=rate_of(rate),
+        pitch=semitones_of(pitch),
     )
-    return perform_spoken(spoken, performer, rate, seed, score, layer)
+    return perform_spoken(spoken, performer, frames, seed, score, layer)
 
 
 def animate(

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from mien.cli import (
+    completion_command,
     evaluate_command,
     express_command,
     face_commands,
@@ -161,6 +162,7 @@ def _parser() -> argparse.ArgumentParser:
     list_commands.add_commands(commands)
     language_command.add_command(commands)
     warm_up_command.add_command(commands)
+    completion_command.add_command(commands, parser)
     doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
     doctor.set_defaults(run=_doctor)
     helping = commands.add_parser("help", help="this page, or that of a command")
@@ -175,13 +177,15 @@ def _add_say(commands: Any) -> None:
     say = commands.add_parser("say", help="speak a text and perform it")
     say.add_argument("text", metavar="TEXT", nargs="?", help="what to say; '-' reads it from standard input")
     say.add_argument("--script", metavar="FILE", help="what to say, from a file: .txt .xml .ssml .bml (docs/script.md)")
-    say.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
+    say.add_argument("--voice", help="voice to speak with (mien voices): kokoro-heart, heart, female, male")
     say.add_argument(
         "--voice-emotion",
         metavar="off|0..1",
         default="1",
         help="how much the voice goes with the emotion (default 1; docs/emotion.md)",
     )
+    say.add_argument("--rate", metavar="0.2..5|PER%", help="how fast it is spoken: 1 or 100%% as usual")
+    say.add_argument("--pitch", metavar="SEMITONES", help="how much higher (or, below 0, lower) it is spoken")
     _add_performance_options(say)
     say.set_defaults(run=_say)
 
@@ -315,7 +319,14 @@ def _say(options: argparse.Namespace) -> int:
     if options.script is not None:
         text = Path(options.script)
     with telling(options.quiet):
-        animation = api.say(text, voice=options.voice, voice_emotion=options.voice_emotion, **_asked(options))
+        animation = api.say(
+            text,
+            voice=options.voice,
+            voice_emotion=options.voice_emotion,
+            rate=options.rate,
+            pitch=options.pitch,
+            **_asked(options),
+        )
     return _finish(animation, face, options)
 
 

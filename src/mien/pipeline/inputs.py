@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,8 +16,9 @@ from mien.motion.performer import Performer
 from mien.pipeline.text_inputs import script_of
 from mien.text.commands import CommandLibrary
 from mien.text.score import UNDIRECTED, EmotionSpan, Score
-from mien.text.script import Script
+from mien.text.script import Prosody, Script
 from mien.text.spoken_text import Spelled
+from mien.text.sync_points import Moment
 
 if TYPE_CHECKING:
     from mien.pipeline.speak import Listener, Synthesiser
@@ -36,6 +38,8 @@ def spoken_text(
     commands: str | Path | Sequence[str | Path] = (),
     score: Score = UNDIRECTED,
     voice_emotion: float = 1.0,
+    rate: float | None = None,
+    pitch: float | None = None,
     synthesiser: Synthesiser | None = None,
 ) -> Spoken:
     """The first half of `say`: a text with a voice and all its direction in time, before anybody performs it.
@@ -50,6 +54,8 @@ def spoken_text(
         What is felt besides what the text says: the voice goes with it.
     voice_emotion : float
         How much it does, 0 to 1.
+    rate, pitch : float or None
+        Of the whole, as ``<prosody>`` around it: as a multiple, and semitones.
     synthesiser : Synthesiser, optional
         As for `mien.pipeline.speak.speak`.
 
@@ -64,6 +70,9 @@ def spoken_text(
     library = _library(commands)
     script = script_of(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
+    if rate is not None or pitch is not None:
+        whole = Prosody(Moment.at("start"), Moment.at("end"), rate, pitch)
+        script = replace(script, prosody=(whole, *script.prosody))
     said = speak(script, voice, seed, library, language, score, voice_emotion, synthesiser)
     return translate(said, library)
 

@@ -22,8 +22,8 @@ from mien.text.expression_parameters import read_expression_parameters
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [
-    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "effort_by_hand", "efforts_of", "layer_of", "prepared", "score_of",
-    "score_with_voice", "share_of", "split_auto", "with_heard_effort",
+    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "effort_by_hand", "efforts_of", "layer_of", "prepared",
+    "rate_of", "score_of", "score_with_voice", "semitones_of", "share_of", "split_auto", "with_heard_effort",
 ]  # fmt: skip
 
 DEFAULT_FPS = 30
@@ -89,6 +89,51 @@ def share_of(what: str, asked: float | str) -> float:
     if not 0 <= share <= 1:
         raise InputError(f"{what} is 'off' or a number from 0 to 1, not {asked!r}")
     return share
+
+
+def rate_of(asked: float | str | None) -> float | None:
+    """How fast somebody speaks: a multiple of the usual, or per cent.
+
+    Raises
+    ------
+    InputError
+        If it is no number from 0.2 to 5.
+
+    Examples
+    --------
+    >>> rate_of("80%"), rate_of(1.2), rate_of(None)
+    (0.8, 1.2, None)
+    """
+    if asked is None:
+        return None
+    text = str(asked).strip()
+    return _number_in("rate", text.removesuffix("%"), 0.2, 5.0, 0.01 if text.endswith("%") else 1.0, "1.2 or 120%")
+
+
+def semitones_of(asked: float | str | None) -> float | None:
+    """How much higher somebody speaks, in semitones.
+
+    Raises
+    ------
+    InputError
+        If it is no number from -24 to 24.
+
+    Examples
+    --------
+    >>> semitones_of("+2st"), semitones_of(-3)
+    (2.0, -3.0)
+    """
+    return None if asked is None else _number_in("pitch", str(asked).strip().removesuffix("st"), -24.0, 24.0, 1.0, "+2")
+
+
+def _number_in(what: str, text: str, least: float, most: float, factor: float, example: str) -> float:
+    try:
+        value = float(text) * factor
+    except ValueError:
+        value = float("nan")
+    if not least <= value <= most:
+        raise InputError(f"a {what} is a number from {least:g} to {most:g}, such as {example}, not {text!r}")
+    return value
 
 
 def score_of(emotion: Emotions) -> Score:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 
 from mien.core.errors import InputError, MissingPartError, unknown_name
@@ -32,12 +33,33 @@ def catalogue() -> tuple[Voice, ...]:
     return (*kokoro, *festival_voices(), Espeak(), Piper(), *espeak_languages(), *(voice for _, voice in brought))
 
 
+def _full_name(name: str, voices: Mapping[str, Voice], language: Language | None) -> str:
+    """The name of a voice from itself, from the part of it that no other has, or from ``female`` and ``male``."""
+    if name in voices:
+        return name
+    short = name.strip().lower()
+    tag = None if language is None else language.tag
+    fitting = [voice for voice in voices.values() if (voice.own_language and voice.own_language.tag) == tag]
+    if short in ("female", "male"):
+        kind = [voice for voice in fitting if voice.sounds == short]
+        if not kind:
+            raise InputError(
+                f"no {short} voice speaks {language.name if language else 'English'}: mien voices lists all"
+            )
+        return next((voice.name for voice in kind if voice.availability().installed), kind[0].name)
+    found = [known for known in voices if short in known.lower().split("-")]
+    if len(found) == 1:
+        return found[0]
+    raise unknown_name("voice", name, voices)
+
+
 def get_voice(name: str | None = None, language: Language | None = None) -> Voice:
     """The voice of a name, or the best one that is installed and speaks a language.
 
     Parameters
     ----------
     name : str or None
+        In full, the part of it that no other has (``"heart"``), or ``"female"`` or ``"male"``.
     language : Language or None
         None: English, or whatever the named voice speaks.
 
@@ -59,8 +81,7 @@ def get_voice(name: str | None = None, language: Language | None = None) -> Voic
     if language is not None and language.espeak:
         voices[f"espeak-{language.tag}"] = EspeakLanguage(language)  # also for a phone map of the user's own
     if name is not None:
-        if name not in voices:
-            raise unknown_name("voice", name, voices)
+        name = _full_name(name, voices, language)
         if language is not None and voices[name].own_language is None:
             raise InputError(f"the voice {name!r} speaks English, not {language.name}: leave --voice or --language out")
         if language is not None and voices[name].language != language.tag:

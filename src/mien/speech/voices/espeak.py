@@ -34,6 +34,7 @@ class Espeak(Voice):
     """eSpeak NG, American English."""
 
     name = "espeak"
+    sounds = "male"
     language = "en-US"
     engine = "eSpeak NG, formant synthesis, a separate process"
     licence = "GPL-3.0-or-later (the engine; run as a separate program)"
@@ -62,6 +63,7 @@ class EspeakLanguage(Voice):
 
     def __init__(self, language: Language) -> None:
         self.name = f"espeak-{language.tag}"
+        self.sounds = "male"
         self.language = language.tag
         self.own_language = language
         self._request = {

@@ -47,6 +47,7 @@ class Festival(Voice):
         entry = _settings()["voices"][name]
         self.name = name
         self.language: str = entry["language"]
+        self.sounds: str = entry["sounds"]
         self.own_language = find_language(self.language)
         self._phones: dict[str, str] = _settings()[entry["phones"]]
         self._letters: dict[str, str] = _settings()["letters"].get(self.language, {})

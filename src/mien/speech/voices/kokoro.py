@@ -56,6 +56,7 @@ class Kokoro(Voice):
     def __init__(self, speaker: str) -> None:
         self.speaker = speaker
         self.name = f"kokoro-{speaker}"
+        self.sounds = letter_table("kokoro")["sounds"].get(speaker, "")
 
     def availability(self) -> Availability:
         """Whether onnxruntime and the four parts of the network are installed."""

@@ -35,6 +35,7 @@ class Piper(Voice):
     """The voice "joe", American English."""
 
     name = "piper-joe"
+    sounds = "male"
     language = "en-US"
     engine = "VITS network in Piper's format, onnxruntime"
     licence = "packaged as MIT; see lineage before commercial use"

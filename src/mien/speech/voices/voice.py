@@ -78,6 +78,8 @@ class Voice(ABC):
         One line each: the terms, and the data and weights it comes from.
     own_pronunciation : bool
         Whether the engine looks words up by itself, so that it may say other phones than `mien.text.pronunciation`.
+    sounds : str
+        ``"female"``, ``"male"`` or not known.
     realign : bool
         Whether a forced alignment of the sound gives better phone times than the engine's own. Measured by
         ``benchmarks/voices.py`` (``docs/tables/voices.md``).
@@ -91,6 +93,7 @@ class Voice(ABC):
     own_pronunciation: bool
     realign: bool
     own_language: Language | None = None
+    sounds: str = ""
 
     @abstractmethod
     def availability(self) -> Availability:
