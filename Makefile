@@ -5,6 +5,7 @@
 # make mutants  a sample of changed lines: does a test notice?
 # make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
 # make lock   requirements/ made again, after a change of pyproject.toml or constraints.txt
+# make site   the documentation as a site, in site/
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
 # make blender            the Blender extension, dist/mien_blender-*.zip (docs/blender.md)
 # make setup-blender      Blender as a Python module (350 MB, GPL, a program apart) for the tests of the extension and FBX
@@ -25,7 +26,7 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz lock clean
+.PHONY: site setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz lock clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -117,3 +118,10 @@ clean:
 MINUTES ?= 60
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m tools.fuzz --minutes $(MINUTES)
+
+# The documentation as a site in site/, with search that works offline; in an environment of its own.
+site: $(VENV)/.core
+	$(PYTHON) -m venv .venv-site
+	.venv-site/bin/python -m pip install --quiet --disable-pip-version-check mkdocs-material==9.8.2 'mkdocstrings[python]==1.0.8'
+	.venv-site/bin/mkdocs build --strict --quiet
+	@echo "Open: $(abspath site)/index.html"
