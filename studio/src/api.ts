@@ -1,7 +1,7 @@
 // The server, as functions. Every failure is an ApiError with one line for the person and the field it concerns.
 import type { PartPlace } from './rig/editor';
 import type { Influences, TreeData } from './rig/tree';
-import type { About, Job, Layer, Lost, Take, TakeRequest } from './types';
+import type { About, History, Job, Layer, Listed, Take, TakeRequest } from './types';
 
 export class ApiError extends Error {
   constructor(message: string, readonly field: string | null = null, readonly status = 0) {
@@ -9,14 +9,16 @@ export class ApiError extends Error {
   }
 }
 
-const POLL_MS = 150;
+const POLL_MS = 120;
+/** The "status" where no answer came at all. */
+export const GONE = -1;
 
 async function ask(path: string, init: RequestInit = {}): Promise<Response> {
   let answer: Response;
   try {
     answer = await fetch(path, init);
   } catch {
-    throw new ApiError('The studio does not answer: does "mien studio" still run?');
+    throw new ApiError('The studio does not answer: start "mien studio" again; what you did is kept here until then.', null, GONE);
   }
   if (answer.ok) return answer;
   const told = await answer.json().catch(() => ({})) as { error?: string; field?: string | null };
@@ -43,30 +45,65 @@ export async function face(id: string): Promise<ArrayBuffer> {
   return (await ask(`/api/faces/${id}.glb`)).arrayBuffer();
 }
 
-export const addFace = (file: Blob): Promise<{ face: string; report: unknown }> =>
-  read('/api/faces', { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file });
+export interface ListedFace { face: string; name: string; own: boolean; report?: unknown }
+export const faces = async (): Promise<ListedFace[]> => (await read<{ faces: ListedFace[] }>('/api/faces')).faces;
+export const addFace = (file: Blob, name: string): Promise<{ face: string; report: unknown }> =>
+  read(`/api/faces?name=${encodeURIComponent(name)}`, { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file });
 
-export async function startTake(request: TakeRequest, recording?: File): Promise<string> {
-  if (recording === undefined) return (await read<{ job: string }>('/api/takes', json('POST', request))).job;
+function filled(request: TakeRequest, recording: File): FormData {
   const form = new FormData();
   for (const [name, value] of Object.entries(request)) {
     for (const one of Array.isArray(value) ? value : [value]) {
-      if (one !== undefined && one !== null && one !== '') form.append(name, String(one));
+      if (one !== undefined && one !== null && one !== '' && typeof one !== 'object') form.append(name, String(one));
     }
   }
   form.append('sound', recording, recording.name);
-  return (await read<{ job: string }>('/api/takes', { method: 'POST', body: form })).job;
+  return form;
 }
 
-export const redo = async (id: string, changed: TakeRequest): Promise<string> =>
-  (await read<{ job: string }>(`/api/takes/${id}/redo`, json('POST', changed))).job;
+const asked = (request: TakeRequest, recording?: File): RequestInit =>
+  (recording === undefined ? json('POST', request) : { method: 'POST', body: filled(request, recording) });
+
+export const startTake = async (request: TakeRequest, recording?: File): Promise<string> =>
+  (await read<{ job: string }>('/api/takes', asked(request, recording))).job;
+
+/** The next step of a take: some fields changed, another layer, another sound, or none any more (`sound: null`). */
+export const redo = async (id: string, changed: TakeRequest & { layer?: Layer; sound?: null }, recording?: File): Promise<string> =>
+  (await read<{ job: string }>(`/api/takes/${id}/redo`, asked(changed, recording))).job;
+
+export const takes = async (): Promise<Listed[]> => (await read<{ takes: Listed[] }>('/api/takes')).takes;
+export const openTake = async (id: string): Promise<string> => (await read<{ job: string }>(`/api/takes/${id}/open`, { method: 'POST' })).job;
+export const copyTake = async (id: string): Promise<string> => (await read<{ take: string }>(`/api/takes/${id}/copy`, { method: 'POST' })).take;
+export const renameTake = (id: string, name: string): Promise<{ name: string }> => read(`/api/takes/${id}/name`, json('PUT', { name }));
+export const dropTake = (id: string): Promise<unknown> => read(`/api/takes/${id}`, { method: 'DELETE' });
+export const history = (id: string): Promise<History> => read(`/api/takes/${id}/steps`);
+export interface StepsChanged { keep: number; add: Layer[]; at: number; count: number }
+export const putSteps = (id: string, steps: StepsChanged): Promise<{ revision?: number; take?: Take; job?: string }> =>
+  read(`/api/takes/${id}/steps`, json('PUT', steps));
+
+/** Gives a take to a server that does not know it. */
+export async function handBack(id: string, record: History, sound: ArrayBuffer | undefined): Promise<string> {
+  const form = new FormData();
+  form.append('take', id);
+  form.append('record', JSON.stringify(record));
+  if (sound !== undefined && record.steps.some((step) => step.sound !== null)) form.append('sound', new Blob([sound], { type: 'audio/wav' }), 'take.wav');
+  return (await read<{ take: string }>('/api/takes/back', { method: 'POST', body: form })).take;
+}
+
+export const page = (): Promise<Record<string, unknown>> => read('/api/page');
+export const putPage = (state: unknown): Promise<unknown> => read('/api/page', json('PUT', state));
+/** As `putPage`, from a page that is being closed. */
+export const sendPage = (state: unknown): boolean => navigator.sendBeacon('/api/page', new Blob([JSON.stringify(state)], { type: 'application/json' }));
+export const projectAddress = '/api/project';
+export const openProject = (file: Blob): Promise<{ takes: Record<string, string>; faces: Record<string, string>; page: Record<string, unknown> }> =>
+  read('/api/project', { method: 'POST', headers: { 'Content-Type': 'application/zip' }, body: file });
+export interface Expressions { channels: string[]; emotions: Record<string, number[]> }
+export const expressions = (performer: string): Promise<Expressions> => read(`/api/expressions?performer=${encodeURIComponent(performer)}`);
 
 export interface ExportRequest { formats: string[]; face?: string; camera?: string; light?: string }
 export const startExport = async (id: string, asked: ExportRequest): Promise<string> =>
   (await read<{ job: string }>(`/api/takes/${id}/export`, json('POST', asked))).job;
 
-export const putEdits = (id: string, layer: Layer): Promise<{ revision: number; lost?: Lost[]; take?: Take }> =>
-  read(`/api/takes/${id}/edits`, json('PUT', layer));
 export interface RigFault { line?: number | null; parameter?: string | null; text: string }
 export const getRig = (id: string): Promise<{ config: TreeData; parts: PartPlace[] }> => read(`/api/rigs/${id}`);
 export const getInfluences = (id: string): Promise<Influences> => read(`/api/rigs/${id}/influence`);

@@ -64,6 +64,7 @@ export const ICONS = {
   play: 'M4 2.5v11l9-5.5z', pause: 'M4 3h3v10H4zM9 3h3v10H9z', back: 'M9.5 3 4.5 8l5 5M13 3v10', on: 'M6.5 3l5 5-5 5M3 3v10',
   start: 'M12.5 3 7 8l5.5 5M3.5 3v10', loop: 'M4 5h7a3 3 0 0 1 3 3M12 11H5a3 3 0 0 1-3-3M6 2.5 3.5 5 6 7.500M10 8.500 12.500 11 10 13.500',
   undo: 'M6 3 3 6l3 3M3 6h6a4 4 0 0 1 0 8H6', redo: 'M10 3l3 3-3 3M13 6H7a4 4 0 0 0 0 8h3', plus: 'M8 3v10M3 8h10', minus: 'M3 8h10',
+  spectrum: 'M3 13V9M6 13V4M9 13V7M12 13V10', tall: 'M8 2v12M5 5l3-3 3 3M5 11l3 3 3-3',
   fit: 'M2 8h12M5 5 2 8l3 3M11 5l3 3-3 3', cross: 'M4 4l8 8M12 4l-8 8', save: 'M8 2v8M4.500 7 8 10.500 11.500 7M3 13.500h10', help: 'M6 6a2 2 0 1 1 3 1.700c-.7.4-1 .8-1 1.600M8 12v.1',
 } as const;
 

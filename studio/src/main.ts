@@ -2,14 +2,19 @@
 import * as api from './api';
 import { button, make, options, showFault } from './dom';
 import { VIEWS, LIGHTINGS } from './looks';
+import { Compared } from './compared';
+import { PageKeeper, type PageState } from './page_state';
 import { EditsPanel } from './panels/edits';
 import { ExportPanel } from './panels/export';
 import { FacePanel } from './panels/face';
 import { LinePanel } from './panels/line';
 import { RigPanel } from './panels/rig';
+import { TakesPanel } from './panels/takes';
 import { Playback } from './playback';
+import { Scrubber } from './scrub';
 import { Session } from './session';
 import { helpDialog, listenToKeys } from './shortcuts';
+import { split } from './splitter';
 import { Stage } from './stage';
 import { Timeline } from './timeline/timeline';
 import { Tabs } from './tabs';
@@ -24,7 +29,7 @@ interface Stats {
   intervals: readonly number[];
   work: readonly number[];
   /** The take and the frames that are shown. */
-  shown: () => { take: string; seconds: number; channels: readonly string[]; values: Float32Array } | null;
+  shown: () => { take: string; revision: number; seconds: number; channels: readonly string[]; values: Float32Array } | null;
   /** What the first mesh with such a morph target stands at. */
   influence: (target: string) => number | undefined;
   /** The face under the tree in the deformation editor: parts' vertices one after the other, mm, and the parameter's values. */
@@ -42,6 +47,7 @@ async function start(): Promise<void> {
   const backdrop = make('div', { class: 'backdrop' }, canvas);
   const stage = new Stage(canvas, backdrop);
   const timeline = new Timeline(session, playback);
+  let growing = false; // the beginning of a longer line is shown
   const help = helpDialog();
 
   const lights = make('select', { 'aria-label': 'Light', id: 'light' });
@@ -53,43 +59,97 @@ async function start(): Promise<void> {
   views.addEventListener('change', () => view(views.value));
 
   let rig: RigPanel | undefined;
+  const compared = new Compared(session, playback);
   const show = (): void => {
     if (rig?.active === true) stage.touch();
-    else if (session.clip !== undefined) stage.pose(session.clip.channels, session.clip.sample(playback.now));
-    else stage.touch();
+    else if (session.clip !== undefined) {
+      const clip = compared.instead ?? session.clip;
+      stage.beside = compared.pose();
+      stage.pose(clip.channels, clip.sample(playback.now));
+    } else stage.mask(undefined, 0);
   };
-  const line = new LinePanel(session);
-  const face = new FacePanel(session, stage, show);
-  const before = { id: '' };
+  const back = (): void => { if (session.take !== undefined && !session.working) session.show(session.layer); else show(); };
+  const page = new PageKeeper(() => state());
+  const line = new LinePanel(session, stage, back, () => page.touch());
+  const face = new FacePanel(session, stage, () => { show(); void line.emotions.draw(face.id); page.touch(); });
+  const faceBefore = { id: '' };
   rig = new RigPanel(session, stage, async () => {
-    before.id = face.id;
+    faceBefore.id = face.id;
     if (face.id !== session.about.default_face) await face.show(session.about.default_face);
   }, () => {
-    if (before.id !== session.about.default_face) void face.show(before.id);
+    if (faceBefore.id !== session.about.default_face) void face.show(faceBefore.id);
     show();
   });
   const files = new ExportPanel(session, () => ({ face: face.id, light: lights.value, camera: views.value }));
+  const takes = new TakesPanel(session, (take) => void compared.choose(take), (opened) => look(opened as PageState));
   const tabs = new Tabs([
-    ['line', 'Line', line.element], ['edits', 'Edits', new EditsPanel(session).element],
-    ['export', 'Export', files.element], ['face', 'Face', face.element],
+    ['line', 'Line', line.element], ['takes', 'Takes', takes.element], ['edits', 'Edits', new EditsPanel(session).element],
+    ['face', 'Face', face.element], ['export', 'Export', files.element],
     ['rig', 'Rig', rig.element],
   ], timeline.element, (name) => {
     if (name === 'rig') void rig?.show();
     else if (name !== 'timeline') rig?.hide();
+    page.touch();
   });
+  const state = (): PageState => ({
+    ...(session.take === undefined || session.take.take === 'beginning' ? {} : { take: session.take.take }), line: line.draft, face: face.id,
+    light: lights.value, camera: views.value, tab: document.body.dataset['tab'] ?? 'line', ...timeline.state(), height: splitter.height(),
+  });
+  /** As the page looked before. */
+  const look = (before: PageState): void => {
+    if (before.light !== undefined && before.light in LIGHTINGS) { lights.value = before.light; stage.light(before.light); }
+    if (before.camera !== undefined && before.camera in VIEWS) view(before.camera);
+    if (before.line !== undefined && session.take === undefined) line.draft = before.line;
+    if (before.tab !== undefined && before.tab !== 'rig') tabs.choose(before.tab);
+    if (before.height !== undefined) splitter.set(before.height);
+    timeline.restore(before);
+  };
 
   const told = make('div', { class: 'told', role: 'status', 'aria-live': 'polite' });
   const toast = make('p', { class: 'toast', role: 'alert', hidden: true });
   const stageArea = make('section', { id: 'stage', 'aria-label': 'Face' }, backdrop, make('div', { class: 'looks' }, views, lights), told, toast);
-  document.body.append(make('main', {}, make('h1', { class: 'visually-hidden' }, 'mien studio'), stageArea, tabs.element, transport(playback, session, () => help.showModal()), timeline.element, help));
+  const main = make('main', {}, make('h1', { class: 'visually-hidden' }, 'mien studio'), stageArea, tabs.element, transport(playback, session, () => help.showModal()), timeline.element, help);
+  const splitter = split(main, timeline.element, () => page.touch());
+  timeline.element.prepend(splitter.element);
+  stageArea.querySelector('.looks')?.append(compared.element);
+  document.body.append(main);
+  compared.on('change', () => { timeline.setOther(compared.clip); show(); });
 
+  const scrubber = new Scrubber();
+  timeline.scrubbed = (at) => scrubber.play(at);
   session.on('frames', show);
   playback.on('time', show);
-  session.on('take', ({ take, fresh }) => {
+  session.on('layer', () => page.touch());
+  for (const name of ['time', 'state'] as const) playback.on(name, () => { if (!playback.playing) page.touch(); });
+  timeline.window.on('change', () => page.touch());
+  timeline.changed = () => page.touch();
+  session.on('take', ({ take, fresh, other }) => {
     if (!fresh || session.sound === undefined) return;
+    const [at, loop, going] = [playback.now, playback.loop, playback.playing];
+    const waited = !going && at >= playback.seconds - 0.05 && playback.seconds > 0;
     playback.load(session.sound, take.seconds, take.fps);
-    void decoded(session.sound).then((sound) => timeline.setSound(sound.getChannelData(0), sound.sampleRate));
+    if (!other) { // the same line again: one stays where one was
+      playback.seek(Math.min(at, take.seconds));
+      playback.setLoop(loop !== null && loop[1] <= take.seconds ? loop : null);
+      if (going || (waited && growing)) void playback.play();
+    }
+    growing = take.take === 'beginning';
+    if (growing && other) void playback.play().catch(() => undefined); // a browser may want a click first
+    void decoded(session.sound).then((sound) => { scrubber.set(sound); timeline.setSound(sound.getChannelData(0), sound.sampleRate); });
+    if (take.take === 'beginning') return;
+    if (new URLSearchParams(location.hash.slice(1)).get('take') !== take.take) history.pushState(null, '', `#take=${take.take}`);
+    document.title = `${take.name ?? take.text} · mien studio`;
+    page.touch();
   });
+  const byAddress = (): Promise<boolean> | undefined => {
+    const id = new URLSearchParams(location.hash.slice(1)).get('take');
+    return id === null || id === session.take?.take ? undefined : session.open(id);
+  };
+  addEventListener('hashchange', () => void byAddress());
+  document.addEventListener('visibilitychange', () => { if (!document.hidden) { void session.refresh(); session.emit('list', undefined); } });
+  addEventListener('focus', () => void session.refresh());
+  addEventListener('beforeunload', (event) => { if (!session.safe || files.unsaved) event.preventDefault(); });
+  session.on('kept', (safe) => { document.body.dataset['kept'] = String(safe); });
   session.on('busy', (job) => {
     told.replaceChildren(...(job === null ? [] : [
       make('span', {}, `${job.step || job.state} …`), make('progress', { max: 1, ...(job.done ? { value: job.done } : {}) }),
@@ -104,11 +164,11 @@ async function start(): Promise<void> {
     hiding = window.setTimeout(() => { toast.hidden = true; }, 12_000);
   });
   listenToKeys({ playback, session, timeline, help: () => help.showModal(), view: (place) => view(Object.keys(VIEWS)[place] ?? 'portrait') });
-  dropFiles(line, face, tabs);
+  dropFiles(line, face, takes, tabs, session);
 
   const { times } = stage;
   window.mienStats = { summary: () => times.summary(), reset: () => times.reset(), intervals: times.intervals, work: times.work,
-    shown: () => (session.clip === undefined ? null : { take: session.take?.take ?? '', seconds: playback.now, channels: session.clip.channels, values: session.clip.values }),
+    shown: () => (session.clip === undefined ? null : { take: session.take?.take ?? '', revision: session.take?.revision ?? 0, seconds: playback.now, channels: session.clip.channels, values: session.clip.values }),
     influence: (target) => stage.influence(target),
     tree: () => (rig?.editor === undefined ? null : { rig: rig.id, values: Object.fromEntries(rig.editor.values), vertices: rig.editor.vertices() }) };
   const tick = (): void => {
@@ -117,7 +177,17 @@ async function start(): Promise<void> {
     requestAnimationFrame(tick);
   };
   tick();
-  await face.show(session.about.default_face).catch((problem: unknown) => session.tell(problem));
+  const before = (await api.page().catch(() => ({}))) as PageState;
+  await session.bringUnsent().catch(() => undefined);
+  const chosen = before.face !== undefined && before.face !== '' ? before.face : session.about.default_face;
+  await face.list().catch((problem: unknown) => session.tell(problem));
+  await face.show(chosen).catch(() => face.show(session.about.default_face)).catch((problem: unknown) => session.tell(problem));
+  look(before);
+  if (!location.hash.includes('take=') && before.take !== undefined) history.replaceState(null, '', `#take=${before.take}`);
+  await (byAddress() ?? Promise.resolve());
+  if (before.view !== undefined && before.take === session.take?.take) timeline.restore(before);
+  page.ready = true;
+  void api.expressions('default').then((found) => { session.expressions = found; void line.emotions.draw(face.id); }).catch((problem: unknown) => session.tell(problem));
   document.body.dataset['ready'] = 'true';
 }
 
@@ -125,8 +195,8 @@ async function decoded(wav: ArrayBuffer): Promise<AudioBuffer> {
   return new OfflineAudioContext(1, 1, 48_000).decodeAudioData(wav.slice(0));
 }
 
-/** Sounds and faces may be dropped anywhere. */
-function dropFiles(line: LinePanel, face: FacePanel, tabs: Tabs): void {
+/** Texts, sounds, faces, edits and projects may be dropped anywhere. */
+function dropFiles(line: LinePanel, face: FacePanel, takes: TakesPanel, tabs: Tabs, session: Session): void {
   document.addEventListener('dragover', (event) => {
     event.preventDefault();
     document.body.classList.add('dropping');
@@ -140,6 +210,15 @@ function dropFiles(line: LinePanel, face: FacePanel, tabs: Tabs): void {
     if (/\.(glb|vrm)$/i.test(file.name)) {
       tabs.choose('face');
       void face.upload(file);
+    } else if (/\.mienproject$/i.test(file.name)) {
+      tabs.choose('takes');
+      void takes.openProject(file);
+    } else if (/\.(txt|xml|ssml|bml)$/i.test(file.name)) {
+      tabs.choose('line');
+      void file.text().then((text) => { line.text.value = text.trim(); });
+    } else if (/\.json$/i.test(file.name)) {
+      tabs.choose('edits');
+      void file.text().then((text) => session.loadLayer(JSON.parse(text))).catch(() => session.emit('problem', { message: `${file.name} holds no edits of mien`, field: 'layer' }));
     } else {
       tabs.choose('line');
       line.useSound(file);

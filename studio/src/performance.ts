@@ -58,3 +58,18 @@ export function reweighed(
   }
   return result;
 }
+
+/** A guess of a line in an emotion: what that does to a face at rest, added to every frame without emotion. */
+export function felt(
+  neutral: Float32Array, channels: readonly string[], mask: { channels: readonly string[]; values: readonly number[] }, strength: number,
+  facts: ReadonlyMap<string, ChannelFacts>,
+): Float32Array {
+  const result = neutral.slice();
+  mask.channels.forEach((name, place) => {
+    const [column, added] = [channels.indexOf(name), (mask.values[place] as number) * strength];
+    if (column < 0 || added === 0) return;
+    const { minimum, maximum } = facts.get(name) ?? { minimum: 0, maximum: 1 };
+    for (let at = column; at < result.length; at += channels.length) result[at] = Math.min(Math.max((result[at] as number) + added, minimum), maximum);
+  });
+  return result;
+}

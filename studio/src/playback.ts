@@ -59,7 +59,7 @@ export class Playback extends Events<{ state: void; time: number }> {
     if (this.asked >= last - 1e-3 || this.asked < first) this.asked = first;
     this.audio.currentTime = this.asked;
     this.clock = mediaClock(this.audio);
-    await this.audio.play();
+    await this.audio.play().catch((problem: unknown) => { if ((problem as Error).name !== 'AbortError') throw problem; }); // paused again meanwhile
   }
 
   pause(): void {
@@ -100,7 +100,7 @@ export class Playback extends Events<{ state: void; time: number }> {
     }
     if (this.loop !== null && (this.audio.ended || (this.playing && this.now >= this.loop[1]))) {
       this.audio.currentTime = this.loop[0];
-      if (this.audio.ended || this.audio.paused) void this.audio.play();
+      if (this.audio.ended || this.audio.paused) void this.play();
       this.clock = mediaClock(this.audio);
     }
     if (this.playing) this.emit('time', this.now);

@@ -11,7 +11,9 @@ const LIST: [string, string][] = [
   ['1 2 3 4', 'portrait, three-quarter, profile, mouth'], ['Ctrl+Z, Ctrl+Y', 'undo, redo'],
   ['Tab', 'from lane to lane'], ['Ctrl+← Ctrl+→', 'from handle to handle in a lane'], ['← →', 'handle: one frame (Shift: five)'],
   ['↑ ↓', 'handle: value (Shift: more)'], ['Delete', 'handle: remove; border: back where it was'],
-  ['double click', 'add a point or a key; on a word: loop it'], ['Ctrl+wheel', 'zoom'], ['Enter', 'in the text: perform'], ['?', 'this list'],
+  ['drag over lanes', 'choose keys (Shift: further ones)'], ['Ctrl+A, Ctrl+C, X, V', 'keys: choose all, copy, cut, paste at the playhead'], ['Alt+[ Alt+]', 'chosen values smaller, larger'],
+  ['M, Shift+← →', 'marker here, to the markers'], ['right click, Shift+F10', 'what can be done there'],
+  ['double click', 'add a point or a key; on a word: loop it'], ['wheel, Ctrl+wheel, Alt+wheel', 'scroll, zoom time, zoom values'], ['middle button', 'pan'], ['Enter', 'in the text: perform'], ['?', 'this list'],
 ];
 
 export function helpDialog(): HTMLDialogElement {
@@ -33,6 +35,7 @@ export function listenToKeys(parts: { playback: Playback; session: Session; time
     l: () => toggleLoop(playback), s: () => { playback.speed = slower(playback.speed); },
     '+': () => timeline.window.zoom(1 / 1.6, playback.now), '=': () => timeline.window.zoom(1 / 1.6, playback.now),
     '-': () => timeline.window.zoom(1.6, playback.now), 0: () => timeline.window.fit(), '?': help,
+    m: () => timeline.addMarker(), Delete: () => timeline.deleteChosen(), Backspace: () => timeline.deleteChosen(), Escape: () => timeline.selection.clear(),
     1: () => view(0), 2: () => view(1), 3: () => view(2), 4: () => view(3),
   };
   document.addEventListener('keydown', (event) => {
@@ -42,6 +45,12 @@ export function listenToKeys(parts: { playback: Playback; session: Session; time
     if (types(event.target)) return;
     if (control && key === 'z') done(event, () => (event.shiftKey ? session.redoEdit() : session.undo()));
     else if (control && key === 'y') done(event, () => session.redoEdit());
+    else if (control && key === 'a') done(event, () => timeline.selectAll());
+    else if (control && key === 'c' && timeline.selection.size > 0) done(event, () => timeline.copy());
+    else if (control && key === 'x' && timeline.selection.size > 0) done(event, () => timeline.copy(true));
+    else if (control && key === 'v') done(event, () => timeline.paste());
+    else if (event.altKey && (key === ']' || key === '[')) done(event, () => timeline.scale(key === ']' ? 1.1 : 1 / 1.1));
+    else if (!control && event.shiftKey && (key === 'ArrowLeft' || key === 'ArrowRight')) done(event, () => timeline.toMarker(key === 'ArrowRight' ? 1 : -1));
     else if (!control && !event.altKey && plain[key] !== undefined && !acts(event.target, key)) done(event, plain[key]);
   });
 }

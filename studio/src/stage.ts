@@ -8,7 +8,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
 import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality } from './looks';
+import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality, type View } from './looks';
 import { takeOver, type SparseMorphs } from './sparse_morphs';
 import { FrameTimes } from './frame_times';
 
@@ -31,6 +31,7 @@ export class Stage {
   private box = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
   private region = this.box;
   private dirty = true;
+  private posed: [readonly string[], ArrayLike<number>] = [[], []];
   private fineness: number;
   private shadows: boolean;
 
@@ -122,8 +123,41 @@ export class Stage {
   }
 
   pose(channels: readonly string[], values: ArrayLike<number>): void {
+    this.posed = [channels, values];
     this.rig?.apply(channels, values);
     this.touch();
+  }
+
+  /** A face at rest, moved by so much of an expression. */
+  mask(mask: { channels: readonly string[]; values: readonly number[] } | undefined, strength: number): void {
+    this.pose(mask?.channels ?? [], mask?.values.map((value) => value * strength) ?? []);
+  }
+
+  /** A second pose, shown beside the first; undefined: one face alone. */
+  beside: { channels: readonly string[]; values: ArrayLike<number> } | undefined;
+
+  /** Draws a small picture of the face with an expression into another canvas. */
+  portrait(canvas: HTMLCanvasElement, mask: { channels: readonly string[]; values: readonly number[] } | undefined): void {
+    if (this.rig === undefined) return;
+    const { width: side } = canvas;
+    const [before, camera] = [this.posed, new PerspectiveCamera(FIELD, 1, this.camera.near, this.camera.far)];
+    this.aim(camera, { around: 0, above: 1, fill: 1.5, height: 0.5 });
+    this.rig.apply(mask?.channels ?? [], mask?.values ?? []);
+    for (const morph of this.morphs) morph.update();
+    const points = side / this.renderer.getPixelRatio();
+    this.renderer.setScissorTest(true);
+    this.renderer.setViewport(0, 0, points, points);
+    this.renderer.setScissor(0, 0, points, points);
+    this.renderer.render(this.scene, camera);
+    const context = canvas.getContext('2d') as CanvasRenderingContext2D;
+    context.clearRect(0, 0, side, side);
+    context.drawImage(this.canvas, 0, this.canvas.height - side, side, side, 0, 0, side, side);
+    this.renderer.setScissorTest(false);
+    const { clientWidth, clientHeight } = this.backdrop;
+    this.renderer.setViewport(0, 0, clientWidth, clientHeight);
+    this.rig.apply(...before);
+    this.dirty = true;
+    this.draw(false); // what is on the screen again
   }
 
   light(name: string): void {
@@ -142,22 +176,29 @@ export class Stage {
   view(name: string): void {
     const view = VIEWS[name] ?? VIEWS['portrait'];
     if (view === undefined) return;
-    const target = this.region.getCenter(new Vector3());
-    const size = this.region.max.y - this.region.min.y;
-    target.y = this.region.min.y + size * view.height;
-    const narrow = Math.max(1, 0.78 / this.camera.aspect);
-    const far = (size * view.fill * narrow) / (2 * Math.tan((FIELD * Math.PI) / 360));
-    const [around, above] = [(view.around * Math.PI) / 180, (view.above * Math.PI) / 180];
+    const { target, size } = this.aim(this.camera, view);
     this.controls.target.copy(target);
-    this.camera.position.set(Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above))
-      .multiplyScalar(far).add(target);
-    this.camera.near = size / 50;
-    this.camera.far = size * 40;
-    this.camera.updateProjectionMatrix();
     this.controls.minDistance = size * 0.4;
     this.controls.maxDistance = size * 12;
     this.controls.update();
     this.touch();
+  }
+
+  /** Points a camera at what of the face moves. */
+  private aim(camera: PerspectiveCamera, view: View): { target: Vector3; size: number } {
+    const target = this.region.getCenter(new Vector3());
+    const size = this.region.max.y - this.region.min.y;
+    target.y = this.region.min.y + size * view.height;
+    const narrow = Math.max(1, 0.78 / camera.aspect);
+    const far = (size * view.fill * narrow) / (2 * Math.tan((FIELD * Math.PI) / 360));
+    const [around, above] = [(view.around * Math.PI) / 180, (view.above * Math.PI) / 180];
+    camera.position.set(Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above))
+      .multiplyScalar(far).add(target);
+    camera.near = size / 50;
+    camera.far = size * 40;
+    camera.lookAt(target);
+    camera.updateProjectionMatrix();
+    return { target, size };
   }
 
   private centre(): Vector3 { return this.box.getCenter(new Vector3()); }
@@ -189,10 +230,33 @@ export class Stage {
     }
     this.dirty = false;
     const began = performance.now();
-    for (const morph of this.morphs) morph.update();
-    this.renderer.render(this.scene, this.camera);
+    if (this.beside === undefined) this.picture();
+    else this.pair(this.beside);
     this.times.add(performance.now() - began, busy);
     if (busy && this.times.slowerThan(SLOW_MS)) this.coarser();
+  }
+
+  private picture(): void {
+    for (const morph of this.morphs) morph.update();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** Two poses of the face, each in its half. */
+  private pair(other: { channels: readonly string[]; values: ArrayLike<number> }): void {
+    const { clientWidth: width, clientHeight: height } = this.backdrop;
+    this.camera.aspect = width / 2 / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.setScissorTest(true);
+    for (const half of [0, 1]) {
+      this.rig?.apply(...(half === 0 ? this.posed : [other.channels, other.values] as const));
+      this.renderer.setViewport((half * width) / 2, 0, width / 2, height);
+      this.renderer.setScissor((half * width) / 2, 0, width / 2, height);
+      this.picture();
+    }
+    this.renderer.setScissorTest(false);
+    this.renderer.setViewport(0, 0, width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
   }
 
   /** Fewer points, then no shadows: a face that keeps time is worth more than a fine one. */

@@ -42,8 +42,15 @@ export interface Lost { edit: number; point?: number | null; why: string }
 export interface Emotion { name: string; points: [number, number][]; interpolation?: Blend; start?: number | null; end?: number | null }
 export interface TakeRequest {
   text?: string; emotion?: string | string[]; voice?: string | null; language?: string | null; fps?: string | number; seed?: number;
-  performer?: string; speech_model?: string | null; prosody?: number; effort?: string; song?: boolean;
+  performer?: string; speech_model?: string | null; prosody?: number; effort?: string; voice_emotion?: number; song?: boolean;
+  times?: Times | null;
 }
+/** Words and phones as a person corrected them. */
+export interface Times { words: Span[]; phones: Span[] }
+/** One state of a take, as undo and redo know it. */
+export interface Step { request: TakeRequest; layer: Layer; sound: string | null }
+export interface History { name: string; made: number; steps: Step[]; at: number }
+export interface Listed { take: string; name: string; made: number; text: string; emotion: string[]; from_sound: boolean; edits: number; steps: number }
 export interface Take {
   take: string;
   request: TakeRequest;
@@ -61,6 +68,9 @@ export interface Take {
   line?: LineWord[];
   lost?: Lost[];
   revision: number;
+  name?: string;
+  at?: number;
+  count?: number;
 }
 export interface Job {
   state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
@@ -69,6 +79,8 @@ export interface Job {
   error?: string | null;
   field?: string | null;
   take?: string | null;
+  /** A take with the beginning of the result, to be heard and seen meanwhile. */
+  beginning?: string | null;
   file?: string | null;
 }
 export const emptyLayer = (): Layer => ({ format: 'mien-edits', version: 1, edits: [] });

@@ -30,12 +30,12 @@ try {
     const now = window.mienStats.shown();
     return [...now.values].filter((_, place) => place % now.channels.length === now.channels.indexOf(channel));
   }, name);
-  const takeNow = () => page.evaluate(() => window.mienStats.shown()?.take ?? '');
+  const takeNow = () => page.evaluate(() => { const now = window.mienStats.shown(); return now === null ? '' : `${now.take} ${now.revision}`; });
   const performed = async (before) => {
-    await page.waitForFunction((take) => (window.mienStats.shown()?.take ?? take) !== take, before);
+    await page.waitForFunction((take) => { const now = window.mienStats.shown(); return now !== null && `${now.take} ${now.revision}` !== take; }, before);
     await page.waitForFunction(() => document.querySelector('.told').childElementCount === 0);
   };
-  const edited = (act) => Promise.all([page.waitForResponse((answer) => answer.request().method() === 'PUT' && answer.ok()), act()]);
+  const edited = (act) => Promise.all([page.waitForResponse((answer) => answer.request().method() === 'PUT' && answer.url().endsWith('/steps') && answer.ok()), act()]);
   const settled = async () => { // performed, and drawn
     await page.waitForFunction(() => document.querySelector('.told').childElementCount === 0);
     await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
@@ -58,7 +58,7 @@ try {
   await page.goto(address);
   await page.waitForSelector('body[data-ready]');
   await page.fill('#field-text', 'I never said that.');
-  await page.selectOption('#field-emotion', 'happy');
+  await page.click('[data-emotion=happy]');
   await page.press('#field-text', 'Enter');
   await performed('');
   seen.take = await page.evaluate(() => ({ frames: window.mienStats.shown().values.length / window.mienStats.shown().channels.length, text: document.querySelector('.clock').textContent }));
@@ -125,9 +125,10 @@ try {
 
   // The line again in another emotion keeps the edits.
   await page.click('#tab-line');
-  await page.selectOption('#field-emotion', 'angry');
   const before = await takeNow();
-  await page.click('#redo-line');
+  const calm = sum(await shown('browDownLeft'));
+  await page.click('[data-emotion=angry]');
+  seen.atOnce = sum(await shown('browDownLeft')) - calm; // before the server has answered
   await performed(before);
   await page.click('#tab-edits');
   seen.kept = await edits();
@@ -145,7 +146,7 @@ try {
   await page.waitForSelector('.report h3', { state: 'attached' });
   await page.click('#tab-face');
   seen.face = await page.locator('.report').innerText();
-  await page.click('#default-face');
+  await page.click('[data-face=default]');
 
   // The deformation editor: a tree is opened, moved, painted, saved; the server's own posing is the referee.
   await page.click('#tab-rig');
@@ -209,10 +210,12 @@ try {
     return -1;
   };
   seen.keys = { text: await tabTo('field-text') };
+  const reloaded = await takeNow();
+  seen.back = reloaded.split(' ')[0] === spoken.split(' ')[0];
   await page.keyboard.press('Control+a');
-  await page.keyboard.type('I never said that.');
+  await page.keyboard.type('I never said that!');
   await page.keyboard.press('Enter');
-  await performed('');
+  await performed(reloaded);
   seen.keys.play = await tabTo('play');
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => window.mienStats.shown().seconds > 0.15);

@@ -26,6 +26,9 @@ def add_command(commands: Any) -> None:
     studio.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
     studio.add_argument("--token", help="clients must give it; needed with another --host")
     studio.add_argument("--name", action="append", default=[], help="further name of this machine (repeatable)")
+    studio.add_argument(
+        "--folder", metavar="DIR", help="where takes are kept as they are made (default: with your user data)"
+    )
     studio.set_defaults(run=_studio)
 
 
@@ -34,7 +37,7 @@ def _studio(options: argparse.Namespace) -> int:
     from mien.serve.studio.workshop import Workshop
 
     settings = StudioSettings(options.host, options.port, options.token, tuple(options.name))
-    workshop = Workshop(settings.limits)
+    workshop = Workshop(settings.limits, options.folder)
     try:
         import asyncio
 
@@ -58,6 +61,8 @@ async def _serve(settings: StudioSettings, workshop: Workshop, options: argparse
     async with running_studio(settings, workshop) as port:
         address = settings.address(port)
         print(f"the studio is open at {address}  (Ctrl-C closes it)", flush=True)
+        for told in (workshop.told, *workshop.journal.faults):
+            print(told, flush=True)
         workshop.jobs.start(workshop.warm_up)
         if not options.no_browser:
             await asyncio.to_thread(_open_browser, address)

@@ -10,6 +10,8 @@ export class ExportPanel {
   private readonly go = make('button', { type: 'submit', class: 'primary', id: 'export', disabled: true }, 'Export');
   private readonly results = make('ul', { class: 'results', 'aria-label': 'Files', 'aria-live': 'polite' });
   private readonly boxes: HTMLInputElement[];
+  /** Whether files are being made that nobody has yet. */
+  unsaved = false;
 
   constructor(private readonly session: Session, private readonly look: () => { face: string; light: string; camera: string }) {
     const { about } = session;
@@ -34,6 +36,7 @@ export class ExportPanel {
       session.emit('problem', { message: 'Choose a format.', field: 'formats' });
       return;
     }
+    this.unsaved = true;
     await session.work(async (signal) => {
       await session.settled();
       const { face, light, camera } = this.look();
@@ -45,6 +48,7 @@ export class ExportPanel {
       const job = await api.finished(await api.startExport(session.take?.take ?? '', asked), (told) => session.emit('busy', told), signal);
       if (job.file) this.offer(job.file);
     });
+    this.unsaved = false;
   }
 
   private offer(address: string): void {

@@ -13,21 +13,34 @@ export class FacePanel {
   private readonly known = new Map<string, Record<string, Recipe>>();
   private readonly file = make('input', { type: 'file', accept: '.glb,.vrm,model/gltf-binary', class: 'visually-hidden', id: 'field-face' });
   private readonly report = make('div', { class: 'report', 'aria-live': 'polite' });
+  private readonly cast = make('div', { class: 'cast', role: 'group', 'aria-label': 'Faces' });
 
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly shown: () => void) {
     this.id = session.about.default_face;
     this.element.append(
-      make('p', { class: 'help' }, 'Any GLB or VRM whose morph targets are named like ARKit’s shapes or like visemes.'),
-      make('div', { class: 'actions' }, make('label', { class: 'button', for: 'field-face' }, 'Open a GLB …'), this.file,
-        button('Default face', () => void this.show(this.session.about.default_face), { id: 'default-face' })),
+      this.cast,
+      make('p', { class: 'help' }, 'Or a face of your own: any GLB or VRM whose morph targets are named like ARKit’s shapes or like visemes. Drop it anywhere.'),
+      make('div', { class: 'actions' }, make('label', { class: 'button', for: 'field-face' }, 'Open a GLB or VRM …'), this.file),
       make('p', { class: 'fault', id: 'fault-face', role: 'alert', hidden: true }), this.report);
     this.file.addEventListener('change', () => void this.upload(this.file.files?.[0]));
+  }
+
+  /** All faces that can be shown, as pictures; those that were opened keep what drives them. */
+  async list(): Promise<void> {
+    const faces = await api.faces();
+    for (const { face, report } of faces) if (report !== undefined) this.known.set(face, recipesOf(report as Report));
+    this.cast.replaceChildren(...faces.map(({ face, name, own }) => {
+      const press = button(name, () => void this.show(face).catch((problem: unknown) => this.session.tell(problem, 'face')), { class: 'member', 'data-face': face, 'aria-pressed': String(face === this.id), title: name },
+        own ? make('span', { class: 'own', 'aria-hidden': 'true' }, 'GLB') : make('img', { src: `/api/faces/${face}.jpg`, alt: '', width: 72, height: 72, loading: 'lazy' }), make('span', {}, name));
+      return press;
+    }));
   }
 
   async show(id: string, recipes?: Record<string, Recipe>): Promise<void> {
     await this.stage.show(await api.face(id), recipes ?? this.known.get(id));
     if (recipes !== undefined) this.known.set(id, recipes);
     this.id = id;
+    for (const press of this.cast.querySelectorAll<HTMLElement>('.member')) press.setAttribute('aria-pressed', String(press.dataset['face'] === id));
     if (id === this.session.about.default_face) this.report.replaceChildren();
     this.shown();
   }
@@ -37,20 +50,23 @@ export class FacePanel {
     if (file === undefined) return;
     showFault('face', null);
     await this.session.work(async () => {
-      const { face, report } = await api.addFace(file);
+      const { face, report } = await api.addFace(file, file.name);
       const told = report as Report;
-      await this.show(face, Object.assign({}, ...told.meshes.map(({ driven }) => driven)) as Record<string, Recipe>);
+      await this.show(face, recipesOf(told));
       this.tell(file.name, told);
+      await this.list();
     });
   }
 
   private tell(name: string, { meshes, nodes }: Report): void {
-    const rows = meshes.filter(({ driven, unknown }) => Object.keys(driven).length + unknown.length > 0).map(({ mesh, driven, unknown }) =>
-      make('li', {}, `${mesh}: ${Object.keys(driven).length} targets move`,
-        unknown.length === 0 ? null : make('p', { class: 'help' }, `not known, they rest: ${unknown.join(', ')}`)));
+    const driven = meshes.reduce((sum, mesh) => sum + Object.keys(mesh.driven).length, 0);
+    const all = meshes.reduce((sum, mesh) => sum + Object.keys(mesh.driven).length + mesh.unknown.length, 0);
     const parts = { head: 'head', eyeLeft: 'left eye', eyeRight: 'right eye' };
     const missing = Object.entries(parts).filter(([part]) => !(part in nodes)).map(([, told]) => told);
-    this.report.replaceChildren(make('h3', {}, name), make('ul', {}, ...rows,
-      make('li', {}, missing.length === 0 ? 'head and eyes turn' : `no node for ${missing.join(', ')}: stays still`)));
+    const verdict = driven >= 0.6 * all ? 'This face can perform' : 'This face can perform in part';
+    const rows = meshes.filter((mesh) => mesh.unknown.length > 0).map(({ mesh, unknown }) => make('li', {}, `${mesh}: not known, they rest: ${unknown.join(', ')}`));
+    this.report.replaceChildren(make('h3', {}, name), make('p', { class: 'verdict' }, `${verdict}: ${driven} of ${all} targets move; ${missing.length === 0 ? 'head and eyes turn' : `no node for ${missing.join(', ')}: still`}.`), make('ul', {}, ...rows));
   }
 }
+
+const recipesOf = ({ meshes }: Report): Record<string, Recipe> => Object.assign({}, ...meshes.map(({ driven }) => driven)) as Record<string, Recipe>;

@@ -1,68 +1,73 @@
-// What is said, by whom, in which mood: a new line, or the same one again with its edits.
+// What is said, by whom, in which mood. One button performs it: the take that is open keeps its edits.
 import { button, field, make, options, showFault } from '../dom';
 import type { Session } from '../session';
-import type { TakeRequest } from '../types';
+import type { Layer, TakeRequest } from '../types';
+import { Emotions } from './emotions';
+import type { Stage } from '../stage';
+import { LineText } from './line_text';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
-const DROP = 'or drop a sound file here';
-const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'seed', 'fps'];
+const DROP = 'or drop a sound file anywhere';
+const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'voice_emotion', 'seed', 'fps'];
+const MODELS: Record<string, string> = {
+  '': 'as the performer has it', coarticulation: 'learned curves alone', graph: 'recorded motion, pieced together', both: 'curves with recorded motion on top',
+};
 
 export class LinePanel {
   readonly element = make('form', { class: 'panel', id: 'panel-line', 'aria-label': 'Line' });
-  private readonly text = make('textarea', { rows: 3, spellcheck: true, placeholder: 'What shall be said?' });
-  private readonly file = make('input', { type: 'file', accept: 'audio/*,.wav,.flac,.mp3,.ogg', class: 'visually-hidden' });
+  readonly emotions: Emotions;
+  readonly text: LineText;
+  private readonly file = make('input', { type: 'file', accept: 'audio/*,video/*,.wav,.flac,.mp3,.ogg,.m4a,.opus', class: 'visually-hidden' });
   private readonly fileName = make('span', { class: 'file-name' });
   private readonly noSound = button('Remove the recording', () => this.useSound(undefined), { class: 'small', hidden: true }, '×');
-  private readonly emotion = make('select');
-  private readonly strength = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.7, 'aria-label': 'Intensity of the emotion' });
-  private readonly strengthText = make('output', {}, '70 %');
   private readonly voice = make('select');
   private readonly language = make('select');
   private readonly performer = make('select');
   private readonly model = make('select');
-  private readonly effort = make('input', { type: 'text', value: 'auto', spellcheck: false, title: '0 to 2, 1 as recorded; auto: as a recording sounds; off; or points such as 0.5@0,1.6@2' });
+  private readonly effort = make('input', { type: 'range', min: 0, max: 2, step: 0.05, value: 1 });
+  private readonly effortAuto = make('input', { type: 'checkbox', checked: true, id: 'effort-auto' });
   private readonly prosody = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.5 });
+  private readonly voiceEmotion = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1 });
   private readonly seed = make('input', { type: 'number', min: 0, step: 1, value: 0, inputmode: 'numeric' });
   private readonly fps = make('input', { type: 'number', min: 1, max: 240, step: 1, value: 60, inputmode: 'numeric' });
-  private readonly again = button('Redo, keep edits', () => void this.redo(), { disabled: true, id: 'redo-line', title: 'Perform this take again with what is set here; the edits are laid over it again' });
+  private readonly go = make('button', { type: 'submit', class: 'primary', id: 'perform', title: 'Perform the line (Enter). Edits are kept.' }, 'Perform');
+  private readonly anew = button('Start anew', () => void this.perform(true), { id: 'anew', disabled: true, title: 'Make another take, without the edits; this one stays in the list of takes' });
   private recording: File | undefined;
+  private recorded = false; // the take that is open has a recording
+  private others: string[] = []; // emotions beside the one that is chosen
 
-  constructor(private readonly session: Session) {
+  constructor(private readonly session: Session, stage: Stage, back: () => void, private readonly changed: () => void) {
+    this.emotions = new Emotions(session, stage, back, (name, strength) => void this.feel(name, strength));
+    this.text = new LineText(session.about.emotions, () => void this.perform());
     this.text.value = EXAMPLE;
-    this.fileName.textContent = DROP;
     this.fill();
-    const drop = make('div', { class: 'drop' }, make('label', { class: 'button', for: 'field-sound' }, 'Recording …'), this.file, this.fileName, this.noSound);
+    const drop = make('div', { class: 'drop' }, make('label', { class: 'button', for: 'field-sound' }, 'Open a recording …'), this.file, this.fileName, this.noSound);
     const more = make('details', { class: 'more' }, make('summary', {}, 'Voice, performer and more'),
-      field('Voice', 'voice', this.voice), field('Language', 'language', this.language), field('Performer', 'performer', this.performer),
-      field('Speech model', 'speech_model', this.model), field('Effort (0 to 2, auto or off)', 'effort', this.effort),
+      field('Voice', 'voice', this.voice), field('Emotion in the voice (0: as plain text)', 'voice_emotion', this.voiceEmotion),
+      field('Language', 'language', this.language), field('Performer', 'performer', this.performer),
+      field('How the mouth moves', 'speech_model', this.model),
+      field('Effort: how hard the words are articulated', 'effort', this.effort),
+      make('div', { class: 'ticks' }, make('label', {}, this.effortAuto, 'effort as the voice or the emotion has it')),
       field('Brows and nods on accents', 'prosody', this.prosody),
-      make('div', { class: 'pair' }, field('Seed', 'seed', this.seed), field('Frames per second', 'fps', this.fps)));
+      make('div', { class: 'pair' }, field('Variation (seed)', 'seed', this.seed), field('Frames per second', 'fps', this.fps)));
     const soundField = make('div', { class: 'field', 'data-field': 'sound' }, drop, make('p', { class: 'fault', id: 'fault-sound', role: 'alert', hidden: true }));
     this.file.id = 'field-sound';
     // A browser cannot point at a faulty number in a section that is shut, and would do nothing at all.
     more.addEventListener('invalid', () => { more.open = true; }, true);
     this.element.append(
-      field('Text', 'text', this.text), soundField,
-      field('Emotion', 'emotion', this.emotion), make('div', { class: 'strength' }, this.strength, this.strengthText),
-      more, make('div', { class: 'actions' }, make('button', { type: 'submit', class: 'primary', id: 'perform' }, 'Perform'), this.again));
+      textField(this.text), soundField, make('div', { class: 'actions' }, this.go, this.anew),
+      make('h3', {}, 'Emotion'), this.emotions.element, make('p', { class: 'fault', id: 'fault-emotion', role: 'alert', hidden: true }), more);
     this.listen();
+    this.tellSound();
   }
 
   private fill(): void {
     const { about } = this.session;
     const plain = (names: string[]): [string, string][] => names.map((name) => [name, name]);
-    options(this.voice, [['', 'default'], ...about.voices.map(({ name, language }): [string, string] => [name, `${name} (${language})`])]);
+    options(this.voice, [['', 'the best that is installed'], ...about.voices.map(({ name, language }): [string, string] => [name, `${name} (${language})`])]);
     options(this.language, [['', 'from the text'], ...plain(about.languages)]);
     options(this.performer, plain(about.performers));
-    options(this.model, [['', 'default'], ...plain(about.speech_models)]);
-    this.fillEmotions();
-  }
-
-  private fillEmotions(): void {
-    const names = this.session.about.emotions.filter((name) => name !== 'neutral');
-    const heard: [string, string][] = this.recording === undefined ? [] : [['auto', 'as the voice sounds']];
-    options(this.emotion, [['', 'neutral'], ...heard, ...names.map((name): [string, string] => [name, name])], this.emotion.value);
-    this.strength.disabled = this.emotion.value === '' || this.emotion.value === 'auto';
+    options(this.model, ['', ...about.speech_models].map((name): [string, string] => [name, MODELS[name] ?? name]));
   }
 
   private listen(): void {
@@ -70,16 +75,21 @@ export class LinePanel {
       event.preventDefault();
       void this.perform();
     });
-    this.text.addEventListener('keydown', (event) => {
-      if (event.key !== 'Enter' || event.shiftKey) return;
-      event.preventDefault();
-      void this.perform();
-    });
-    this.emotion.addEventListener('change', () => this.fillEmotions());
-    this.strength.addEventListener('input', () => { this.strengthText.textContent = `${Math.round(Number(this.strength.value) * 100)} %`; });
     this.file.addEventListener('change', () => this.useSound(this.file.files?.[0]));
-    this.session.on('take', ({ fresh }) => { if (fresh) this.again.disabled = false; });
-    this.session.on('busy', (job) => { for (const press of this.element.querySelectorAll<HTMLButtonElement>('.actions button')) press.disabled = job !== null || (press === this.again && this.session.take === undefined); });
+    this.element.addEventListener('input', () => {
+      this.effort.disabled = this.effortAuto.checked;
+      this.changed();
+    });
+    this.effort.disabled = true;
+    // Sliders of how it is performed show at once what they do.
+    for (const control of [this.effort, this.effortAuto, this.prosody, this.voiceEmotion]) control.addEventListener('change', () => { if (this.session.take !== undefined) void this.perform(); });
+    this.session.on('take', ({ take, fresh }) => { if (fresh && take.take !== 'beginning') this.showRequest(); });
+    this.session.on('list', () => this.tellSound());
+    this.session.on('layer', () => this.showEmotion());
+    this.session.on('busy', (job) => {
+      this.go.disabled = job !== null;
+      this.anew.disabled = job !== null || this.session.take === undefined;
+    });
   }
 
   /** Takes a recording instead of a voice (undefined: a voice again). */
@@ -91,26 +101,82 @@ export class LinePanel {
       return;
     }
     this.recording = file;
+    if (file === undefined) this.recorded = false;
     this.file.value = '';
-    this.fileName.textContent = file?.name ?? DROP;
-    this.noSound.hidden = file === undefined;
-    this.text.placeholder = file === undefined ? 'What shall be said?' : 'What is said in the recording? Empty: it is recognised.';
-    if (file !== undefined && this.text.value === EXAMPLE) this.text.value = '';
-    this.voice.disabled = file !== undefined;
-    this.fillEmotions();
+    if (file !== undefined && (this.text.value === EXAMPLE || this.session.take !== undefined)) this.text.value = '';
+    this.tellSound();
   }
 
-  private asked(): TakeRequest {
-    const emotion = this.emotion.value;
+  private tellSound(): void {
+    const there = this.recording !== undefined || this.recorded;
+    this.fileName.textContent = this.recording?.name ?? (this.recorded ? 'the recording of this take' : DROP);
+    this.noSound.hidden = !there;
+    this.text.input.placeholder = there ? 'What is said in the recording? Empty: it is recognised.' : 'What shall be said?';
+    this.voice.disabled = there;
+    this.emotions.offerHeard(there);
+    this.anew.disabled = this.session.take === undefined;
+    this.go.textContent = this.session.take === undefined ? 'Perform' : 'Perform, keep edits';
+  }
+
+  /** Shows what the take that is open was asked for. */
+  private showRequest(): void {
+    const { request } = this.session;
+    this.recording = undefined;
+    this.recorded = this.session.take?.from_sound === true;
+    this.text.value = this.recorded && !request.text ? this.session.take?.text ?? '' : request.text ?? '';
+    this.voice.value = request.voice ?? '';
+    this.language.value = request.language ?? '';
+    this.performer.value = request.performer ?? 'default';
+    this.model.value = request.speech_model ?? '';
+    this.effortAuto.checked = !/^[\d.]+$/.test(request.effort ?? 'auto');
+    if (!this.effortAuto.checked) this.effort.value = request.effort as string;
+    this.effort.disabled = this.effortAuto.checked;
+    this.prosody.value = String(request.prosody ?? 0.5);
+    this.voiceEmotion.value = String(request.voice_emotion ?? 1);
+    this.seed.value = String(request.seed ?? 0);
+    this.fps.value = String(Number(request.fps ?? 60));
+    this.tellSound();
+    this.showEmotion();
+  }
+
+  /** The panel shows what the lanes show: a drawn intensity counts, else what the take was asked for. */
+  private showEmotion(): void {
+    const { request, layer } = this.session;
+    if (this.session.take === undefined) return;
+    const asked = ([] as string[]).concat(request.emotion ?? []);
+    const [first, ...others] = asked;
+    this.others = others;
+    const [name = '', strength = '0.7'] = (first ?? '').split(':');
+    const drawn = layer.edits.find((edit) => edit.kind === 'intensity' && edit.emotion === name);
+    const points = drawn?.kind === 'intensity' ? drawn.points : undefined;
+    const mean = points === undefined || points.length === 0 ? Number(strength) : points.reduce((sum, { value }) => sum + value, 0) / points.length;
+    this.emotions.set(name.replace(/\[.*$/, ''), Number.isFinite(mean) ? Math.min(mean, 1) : 0.7);
+  }
+
+  /** Performs the line in another emotion; a curve that was drawn for it gives way. */
+  private async feel(name: string, strength: number): Promise<void> {
+    if (this.session.take === undefined) return;
+    const was = this.session.layer;
+    const edits = was.edits.filter((edit) => edit.kind !== 'intensity' || (edit.emotion !== name && this.others.some((other) => other.startsWith(edit.emotion))));
+    const layer: Layer = { ...was, edits };
+    await this.session.perform({ emotion: this.asked(name, strength), ...(edits.length === was.edits.length ? {} : { layer }) });
+  }
+
+  private asked(name: string, strength: number): string[] {
+    return [...(name === '' ? [] : name === 'auto' ? ['auto'] : [`${name}:${strength}`]), ...this.others];
+  }
+
+  private request(): TakeRequest {
     return {
       text: this.text.value,
-      emotion: emotion === '' ? [] : emotion === 'auto' ? ['auto'] : [`${emotion}:${this.strength.value}`],
+      emotion: this.asked(this.emotions.chosen, this.emotions.amount),
       performer: this.performer.value,
-      effort: this.effort.value.trim() || 'auto',
+      effort: this.effortAuto.checked ? 'auto' : this.effort.value,
       prosody: Number(this.prosody.value),
+      voice_emotion: Number(this.voiceEmotion.value),
       seed: Number(this.seed.value),
       fps: this.fps.value,
-      ...(this.voice.value === '' || this.recording !== undefined ? {} : { voice: this.voice.value }),
+      ...(this.voice.value === '' || this.recording !== undefined || this.recorded ? {} : { voice: this.voice.value }),
       ...(this.language.value === '' ? {} : { language: this.language.value }),
       ...(this.model.value === '' ? {} : { speech_model: this.model.value }),
     };
@@ -118,13 +184,33 @@ export class LinePanel {
 
   private clear(): void { for (const name of FIELDS) showFault(name, null); }
 
-  async perform(): Promise<void> {
+  async perform(anew = false): Promise<void> {
     this.clear();
-    await this.session.perform(this.asked(), this.recording);
+    const question = this.text.question();
+    if (question !== null) showFault('text', question);
+    const { session } = this;
+    const request = this.request();
+    if (session.take === undefined || anew) {
+      await session.perform(request, this.recording, true);
+      return;
+    }
+    const spoken = request.text !== session.request.text || this.recording !== undefined || session.take.from_sound !== this.recorded;
+    const gone = session.take.from_sound === true && !this.recorded && this.recording === undefined;
+    const changes = { voice: null, language: null, speech_model: null, ...request, ...(spoken ? { times: null } : {}), ...(gone ? { sound: null } : {}) };
+    await session.perform(this.recording === undefined ? changes : request, this.recording);
   }
 
-  private async redo(): Promise<void> {
-    this.clear();
-    await this.session.redo({ voice: null, language: null, speech_model: null, ...this.asked() });
-  }
+  /** What is written but not performed, for the state of the page. */
+  get draft(): Record<string, unknown> { return { ...this.request() }; }
+
+  set draft(draft: Record<string, unknown>) { if (typeof draft['text'] === 'string') this.text.value = draft['text']; }
+}
+
+/** The field of the text, whose control lies over its coloured mirror. */
+function textField(text: LineText): HTMLElement {
+  const whole = field('Text', 'text', text.input);
+  text.input.replaceWith(text.element);
+  text.element.append(text.input);
+  whole.append(text.help);
+  return whole;
 }

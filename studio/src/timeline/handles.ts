@@ -12,6 +12,7 @@ export interface HandleFacts {
   range?: [number, number]; // s
   edited?: boolean;
   fixed?: boolean; // stays at its moment
+  chosen?: boolean;
 }
 
 export interface HandleEvents {
@@ -19,6 +20,10 @@ export interface HandleEvents {
   drop: (handle: HandleFacts, at: number, value: number) => void;
   remove?: (handle: HandleFacts) => void;
   reset?: (handle: HandleFacts) => void;
+  /** Pressed with the pointer, maybe with Shift or Ctrl: what is chosen changes. */
+  choose?: (handle: HandleFacts, further: boolean) => void;
+  /** Moved by keys, in frames and in shares of the height. */
+  nudge?: (handle: HandleFacts, frames: number, share: number) => void;
 }
 
 const NEAR = 3.5; // px between bars: of those nearer than that only one is there to take hold of
@@ -105,6 +110,9 @@ export class Handles {
     event.preventDefault();
     event.stopPropagation();
     element.focus({ preventScroll: true });
+    const further = event.shiftKey || event.ctrlKey || event.metaKey;
+    this.events.choose?.(facts, further);
+    if (further) return;
     element.setPointerCapture(event.pointerId);
     element.classList.add('dragged');
     this.dragging = key;
@@ -134,7 +142,7 @@ export class Handles {
   private press(event: KeyboardEvent): void {
     const key = (event.target as HTMLElement).dataset['key'];
     const facts = key === undefined ? undefined : this.find(key);
-    if (facts === undefined || event.altKey || event.metaKey) return;
+    if (facts === undefined || event.metaKey) return;
     if (event.ctrlKey) {
       const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
       const next = step === undefined ? undefined : this.facts[this.facts.indexOf(facts) + step];
@@ -146,7 +154,10 @@ export class Handles {
     }
     const time = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const height = { ArrowUp: 1, ArrowDown: -1 }[event.key];
-    if (time !== undefined && facts.fixed !== true) {
+    if (this.events.nudge !== undefined && (time !== undefined || height !== undefined)) {
+      done(event);
+      this.events.nudge(facts, (time ?? 0) * (event.shiftKey ? 5 : 1), (height ?? 0) * VALUE_STEP * (event.shiftKey ? 4 : 1) * (event.altKey ? 0.2 : 1));
+    } else if (time !== undefined && facts.fixed !== true) {
       done(event);
       this.events.drop(facts, inside(facts.at + time * this.frame() * (event.shiftKey ? 5 : 1), facts.range), facts.value ?? 0);
     } else if (height !== undefined && facts.value !== undefined) {
@@ -167,13 +178,14 @@ function done(event: Event): void {
 
 const inside = (at: number, range?: [number, number]): number => (range === undefined ? at : Math.min(Math.max(at, range[0]), range[1]));
 
-function describe(element: HTMLElement, { at, value, label, text, range, edited }: HandleFacts, x: number): void {
+function describe(element: HTMLElement, { at, value, label, text, range, edited, chosen }: HandleFacts, x: number): void {
   element.style.transform = `translateX(${x}px)`;
   element.classList.toggle('point', value !== undefined);
   element.classList.toggle('edited', edited === true);
+  element.classList.toggle('chosen', chosen === true);
   if (value !== undefined) element.style.top = `${(1 - value) * 100}%`;
   element.setAttribute('aria-label', label);
-  element.setAttribute('aria-valuetext', text);
+  element.setAttribute('aria-valuetext', chosen === true ? `${text}, chosen` : text);
   element.setAttribute('aria-valuenow', (value ?? at).toFixed(3));
   element.setAttribute('aria-valuemin', String(value === undefined ? range?.[0] ?? 0 : 0));
   element.setAttribute('aria-valuemax', String(value === undefined ? range?.[1] ?? at : 1));

@@ -87,7 +87,10 @@ export function paintSpans({ context, height, window, colour }: Brush, spans: re
   context.textAlign = 'start';
 }
 
-export function paintIntensity({ context, width, height, window, colour }: Brush, points: readonly Point[], blend: Blend): void {
+export function paintIntensity(brush: Brush, points: readonly Point[], blend: Blend, [low, high]: readonly [number, number]): void {
+  const { context, width, height, window, colour } = brush;
+  const level = (value: number, tall: number): number => levelOf((value - low) / (high - low), tall);
+  paintScale(brush, [low, high], (value) => `${Math.round(value * 100)} %`);
   if (points.length === 0) return;
   context.beginPath();
   context.moveTo(0, height);
@@ -104,14 +107,37 @@ export function paintIntensity({ context, width, height, window, colour }: Brush
 }
 
 const INSET = 9; // px: as the handles' layer in style.css
-const level = (value: number, height: number): number => height - INSET - value * (height - 2 * INSET);
+const levelOf = (share: number, height: number): number => height - INSET - share * (height - 2 * INSET);
+const TALL = 90; // px: from here on there is room for a scale
+
+/** Lines and values at the left of a tall lane. */
+function paintScale({ context, width, height, colour }: Brush, [low, high]: readonly [number, number], text: (value: number) => string): void {
+  if (height < TALL) return;
+  context.font = '10px system-ui, sans-serif';
+  context.textBaseline = 'middle';
+  for (const share of [0, 0.25, 0.5, 0.75, 1]) {
+    const y = Math.round(levelOf(share, height)) + 0.5;
+    context.strokeStyle = colour('line');
+    context.globalAlpha = 0.6;
+    context.lineWidth = 1;
+    context.beginPath();
+    context.moveTo(0, y);
+    context.lineTo(width, y);
+    context.stroke();
+    context.globalAlpha = 1;
+    context.fillStyle = colour('quiet');
+    context.fillText(text(low + share * (high - low)), 2, y - 6);
+  }
+}
 
 /** A channel over time, from its lowest to its highest value. */
-export function paintChannel({ context, width, height, window, colour }: Brush, clip: MotionClip, channel: string, range: [number, number]): void {
+export function paintChannel(brush: Brush, clip: MotionClip, channel: string, range: readonly [number, number], other = false): void {
+  const { context, width, height, window, colour } = brush;
   const column = clip.channels.indexOf(channel);
   if (column < 0) return;
-  const share = (value: number): number => level((value - range[0]) / (range[1] - range[0]), height);
-  if (range[0] < 0) {
+  const share = (value: number): number => levelOf((value - range[0]) / (range[1] - range[0]), height);
+  if (!other) paintScale(brush, range, (value) => value.toFixed(range[1] - range[0] > 2 ? 0 : 2));
+  if (range[0] < 0 && !other) {
     context.strokeStyle = colour('line');
     context.beginPath();
     context.moveTo(0, share(0));
@@ -126,7 +152,9 @@ export function paintChannel({ context, width, height, window, colour }: Brush, 
     const to = clip.values[Math.min(before + 1, clip.frames - 1) * clip.channels.length + column] as number;
     context.lineTo(x, share(from + (frame - before) * (to - from)));
   }
-  context.strokeStyle = colour('channel');
+  context.strokeStyle = colour(other ? 'quiet' : 'channel');
+  context.setLineDash(other ? [4, 3] : []);
   context.lineWidth = 1.5;
   context.stroke();
+  context.setLineDash([]);
 }

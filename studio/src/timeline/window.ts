@@ -10,9 +10,12 @@ export class TimeWindow extends Events<{ change: void }> {
   width = 1000;
   private total = 1;
 
-  setTotal(seconds: number): void {
+  /** The length of the line; `stay` keeps what is seen, unless that was all. */
+  setTotal(seconds: number, stay = false): void {
+    const all = this.span >= this.total - 1e-6;
     this.total = Math.max(seconds, CLOSEST);
-    this.show(0, this.total);
+    if (stay && !all) this.show(this.first, this.last);
+    else this.show(0, this.total);
   }
 
   setWidth(pixels: number): void {

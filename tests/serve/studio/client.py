@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from mien.serve.studio.server import running_studio
@@ -62,10 +63,10 @@ class Client:
 
 
 @contextmanager
-def studio(settings: StudioSettings | None = None) -> Iterator[Client]:
-    """A studio on any free port, in a thread of its own."""
+def studio(settings: StudioSettings | None = None, folder: Path | None = None) -> Iterator[Client]:
+    """A studio on any free port, in a thread of its own; it keeps its takes in a folder, if one is given."""
     settings = settings or StudioSettings(port=0)
-    workshop = Workshop(settings.limits)
+    workshop = Workshop(settings.limits, folder, keeps=folder is not None)
     opened: list[int] = []
     ready, loop, stop = threading.Event(), asyncio.new_event_loop(), asyncio.Event()
 

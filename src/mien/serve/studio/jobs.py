@@ -68,6 +68,10 @@ class Job:
         if done is not None:
             self.done = min(1.0, max(self.done, done))
 
+    def shows(self, take: str) -> None:
+        """Say that a take with the beginning of the result can be looked at already."""
+        self.result = {"beginning": take}
+
     def cancel(self) -> None:
         """Stop at the next safe place; a job that has ended stays as it is."""
         self._cancelled = True

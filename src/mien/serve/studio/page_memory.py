@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections import OrderedDict
+from contextlib import suppress
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
 from threading import Lock
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
 
 from mien.core.audio import Audio
-from mien.core.timeline import FrameRate
+from mien.core.errors import InputError, Note, OutputError
+from mien.core.files import replace_when_complete
+from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.utterance import Utterance
 from mien.motion.mouth.hand_made_mouth import MouthMotion
 from mien.motion.performer import MouthModel
@@ -54,12 +65,17 @@ class RememberingVoice:
 
     Parameters
     ----------
+    folder : Path or None
+        What was said is kept here beyond the end of the program, so that a take need not be spoken again.
     most : int
-        How many texts are kept.
+        How many texts are kept in memory.
+    most_bytes : int
+        How much is kept in the folder; the oldest gives way.
     """
 
-    def __init__(self, most: int = 16) -> None:
+    def __init__(self, folder: Path | None = None, most: int = 16, most_bytes: int = 2**30) -> None:
         self._kept: Kept[Utterance] = Kept("speech", most)
+        self._folder, self._most_bytes = folder, most_bytes
 
     def __call__(self, text: str, **asked: object) -> Utterance:
         """As `synthesise` does."""
@@ -68,6 +84,64 @@ class RememberingVoice:
         key = repr((text, sorted(asked.items())))
         if key in self._kept:
             return self._kept.get(key)
-        said = synthesise(text, **asked)  # type: ignore[arg-type]
+        said = self._read(key)
+        if said is None:
+            said = synthesise(text, **asked)  # type: ignore[arg-type]
+            self._write(key, said)
         self._kept.put(said, name=key)
         return said
+
+    def _path(self, key: str) -> Path:
+        assert self._folder is not None
+        name = sha256(f"{version('mien')} {key}".encode()).hexdigest()
+        return self._folder / f"{name}.npz"
+
+    def _read(self, key: str) -> Utterance | None:
+        if self._folder is None or not self._path(key).is_file():
+            return None
+        try:
+            with np.load(self._path(key), allow_pickle=False) as kept:
+                told = json.loads(str(kept["told"]))
+                tiers: dict[str, Any] = {
+                    name: told[name] and _tier(told[name]) for name in ("words", "phones", "native")
+                }
+                shapes = tuple(tuple(names) for names in told["shapes"])
+                notes = tuple(Note(kind, message) for kind, message in told["notes"])
+                sound = Audio(kept["samples"], told["rate"])
+                plain: dict[str, Any] = {name: told[name] for name in ("text", "language", "timing", "sung")}
+                return Utterance(audio=sound, notes=notes, shapes=shapes, **tiers, **plain)
+        except (ValueError, KeyError, TypeError, OSError, EOFError, BadZipFile, InputError):  # damaged: spoken again
+            return None
+
+    def _write(self, key: str, said: Utterance) -> None:
+        if self._folder is None:
+            return
+        told = {
+            **{name: getattr(said, name) for name in ("text", "language", "timing", "sung", "shapes")},
+            **{name: _plain(getattr(said, name)) for name in ("words", "phones", "native")},
+            "notes": [[note.kind, note.message] for note in said.notes],
+            "rate": said.audio.rate,
+        }
+        with suppress(OSError, OutputError), replace_when_complete(self._path(key)) as unfinished:
+            np.savez(unfinished, samples=said.audio.samples, told=json.dumps(told))
+        with suppress(OSError):
+            self._sweep()
+
+    def _sweep(self) -> None:
+        assert self._folder is not None
+        files = sorted((path.stat().st_mtime, path.stat().st_size, path) for path in self._folder.glob("*.npz"))
+        held = sum(size for _, size, _ in files)
+        for _, size, path in files[:-1]:
+            if held <= self._most_bytes:
+                return
+            path.unlink(missing_ok=True)
+            held -= size
+
+
+def _plain(tier: Tier | None) -> list[object] | None:
+    return None if tier is None else [tier.name, [[one.start, one.end, one.label] for one in tier]]
+
+
+def _tier(told: list[Any]) -> Tier:
+    name, intervals = told
+    return Tier(str(name), tuple(Interval(*one) for one in intervals))

@@ -11,26 +11,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from mien.animation.edits import EditLayer, layer_of
 from mien.core.errors import InputError, unknown_name
 from mien.core.timeline import FrameRate
+from mien.serve.studio.field_error import FieldError
+from mien.serve.studio.given_speech import GivenTimes
 from mien.serve.studio.settings import Limits
 from mien.text.effort_spans import parse_effort
 from mien.text.score import EmotionSpan
 
-__all__ = ["FieldError", "TakeRequest"]
+__all__ = ["FieldError", "TakeRequest", "checked_layer"]
 
 _FILE_NAME = re.compile(r"\.csv\s*$", re.IGNORECASE)
 _RATE = re.compile(r"\d{1,6}(\.\d{1,9})?|\d{1,6}/\d{1,5}")
 _MOST_EMOTIONS = 16
 _MOST_SEED = 2**32 - 1
-
-
-class FieldError(InputError):
-    """A field of a request cannot be used."""
-
-    def __init__(self, field: str, message: str) -> None:
-        super().__init__(message)
-        self.field = field
 
 
 @dataclass(frozen=True)
@@ -52,6 +47,8 @@ class TakeRequest:
         As for `mien.say` and `mien.animate`, without files; ``"auto"``: of a sound, else as the emotions have it.
     song : bool
         The sound is a song and the text its lyrics.
+    times : GivenTimes or None
+        Words and phones as a person corrected them; None: as they were found.
     """
 
     text: str = ""
@@ -66,6 +63,7 @@ class TakeRequest:
     effort: str = "auto"
     voice_emotion: float = 1.0
     song: bool = False
+    times: GivenTimes | None = None
 
     @classmethod
     def of(cls, asked: Mapping[str, Any], limits: Limits, with_sound: bool = False) -> TakeRequest:
@@ -108,7 +106,31 @@ class TakeRequest:
 
     def plain(self) -> dict[str, Any]:
         """As JSON, all fields."""
-        return {field.name: getattr(self, field.name) for field in fields(self)} | {"emotion": list(self.emotion)}
+        plain = {field.name: getattr(self, field.name) for field in fields(self)} | {"emotion": list(self.emotion)}
+        return plain | {"times": None if self.times is None else self.times.plain()}
+
+
+def checked_layer(document: dict[str, Any], limits: Limits) -> EditLayer:
+    """Read a layer from JSON; a bare ``{"edits": [...]}`` counts as one of this version.
+
+    Raises
+    ------
+    FieldError
+        If it does not hold together, or is larger than the studio takes.
+    """
+    document = (
+        {"format": "mien-edits", "version": 1, **document.get("layer", document)}
+        if isinstance(document.get("layer", document), dict)
+        else document
+    )
+    try:
+        layer = layer_of(document)
+    except InputError as problem:
+        raise FieldError("edits", str(problem)) from problem
+    points = sum(len(edit.points) for _, edit in layer.intensities) + sum(len(edit.keys) for _, edit in layer.curves)
+    if len(layer.edits) + points > limits.edits or len(layer.line or ()) > limits.text_characters:
+        raise FieldError("edits", f"the studio takes at most {limits.edits} edits and points, got more")
+    return layer
 
 
 def _text(value: Any, limits: Limits) -> str:
@@ -239,6 +261,13 @@ def _song(value: Any, limits: Limits) -> bool:
     return truths[value]
 
 
+def _times(value: Any, limits: Limits) -> GivenTimes:
+    try:
+        return GivenTimes.of(value)
+    except InputError as problem:
+        raise FieldError("times", str(problem)) from problem
+
+
 _READERS = {
     "text": _text,
     "emotion": _emotions,
@@ -252,4 +281,5 @@ _READERS = {
     "effort": _effort,
     "voice_emotion": _voice_emotion,
     "song": _song,
+    "times": _times,
 }

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import Any
 from urllib.parse import quote
 
 from aiohttp import web
 
-from mien.animation.edits import EditLayer, layer_of, plain_layer
-from mien.core.errors import InputError
+from mien.animation.edits import plain_layer
 from mien.serve.studio.about import about
 from mien.serve.studio.access import HEADERS
 from mien.serve.studio.bodies import read_bytes, read_form, read_json
+from mien.serve.studio.packing import packed
 from mien.serve.studio.page import MISSING, load_page, media_type
-from mien.serve.studio.requests import FieldError, TakeRequest
+from mien.serve.studio.requests import FieldError, TakeRequest, checked_layer
 from mien.serve.studio.results import checked_formats
-from mien.serve.studio.settings import Limits
 from mien.serve.studio.studio_takes import Take
 from mien.serve.studio.take_sounds import read_sound
 from mien.serve.studio.views import Shown
@@ -26,6 +24,7 @@ from mien.serve.studio.workshop import Workshop
 __all__ = ["Routes"]
 
 _PIECE = 2**18
+_MOST_ADDED = 64
 
 
 class Routes:
@@ -49,9 +48,19 @@ class Routes:
                 web.get("/assets/{name:.+}", self.asset),
                 web.get("/api/about", self.about),
                 web.get("/api/faces/{id}.glb", self.face),
+                web.get("/api/faces/{id}.jpg", self.picture),
                 web.post("/api/faces", self.add_face),
+                web.get("/api/faces", self.faces),
+                web.get("/api/expressions", self.expressions),
                 web.post("/api/takes", self.add_take),
+                web.get("/api/takes", self.takes),
                 web.get("/api/takes/{id}", self.take),
+                web.delete("/api/takes/{id}", self.drop),
+                web.post("/api/takes/{id}/open", self.open),
+                web.post("/api/takes/{id}/copy", self.copy),
+                web.put("/api/takes/{id}/name", self.rename),
+                web.get("/api/takes/{id}/steps", self.history),
+                web.put("/api/takes/{id}/steps", self.steps),
                 web.get("/api/takes/{id}/frames", self.frames),
                 web.get("/api/takes/{id}/sound.wav", self.sound),
                 web.put("/api/takes/{id}/edits", self.edit),
@@ -82,7 +91,7 @@ class Routes:
         if path not in self._page:
             raise web.HTTPNotFound(text="the page has no such file")
         headers = {"Cache-Control": "max-age=31536000, immutable"}  # the name holds a hash of the content
-        return web.Response(body=self._page[path], content_type=media_type(path), headers=headers)
+        return await packed(request, self._page[path], media_type(path), headers)
 
     async def about(self, request: web.Request) -> web.Response:
         """What this studio offers."""
@@ -91,15 +100,31 @@ class Routes:
     # ------------------------------------------------------------ faces
 
     async def face(self, request: web.Request) -> web.Response:
-        """A face as GLB."""
+        """A face as GLB; a browser that has it already is told so."""
         content = await asyncio.to_thread(self.shop.faces.glb, request.match_info["id"])
-        return web.Response(body=content, content_type="model/gltf-binary")
+        return await packed(request, content, "model/gltf-binary", {"Cache-Control": "no-cache"})
+
+    async def picture(self, request: web.Request) -> web.Response:
+        """A small picture of one of mien's faces."""
+        content = await asyncio.to_thread(self.shop.faces.picture, request.match_info["id"])
+        return await packed(request, content, "image/jpeg", {"Cache-Control": "no-cache"})
 
     async def add_face(self, request: web.Request) -> web.Response:
         """Keep a GLB of the user's."""
         content = await read_bytes(request, self.limits)
-        name, face = await asyncio.to_thread(self.shop.faces.add, content)
-        return web.json_response({"face": name, "report": face.report}, status=201)
+        called = request.query.get("name", "")[:200]
+        name, face = await asyncio.to_thread(self.shop.faces.add, content, called)
+        return web.json_response({"face": name, "name": face.name, "report": face.report}, status=201)
+
+    async def faces(self, request: web.Request) -> web.Response:
+        """The faces that can be shown: those of the cast, then those that were opened."""
+        return web.json_response({"faces": await asyncio.to_thread(self.shop.faces.listed)})
+
+    async def expressions(self, request: web.Request) -> web.Response:
+        """What every emotion does to a silent face."""
+        return web.json_response(
+            await asyncio.to_thread(self.shop.expressions, request.query.get("performer", "default"))
+        )
 
     # ------------------------------------------------------------ takes
 
@@ -115,58 +140,108 @@ class Routes:
         asked = TakeRequest.of(await read_json(request, self.limits), self.limits)
         return _accepted(self.shop.start_take(asked))
 
-    def _take(self, request: web.Request) -> tuple[str, Take]:
+    async def takes(self, request: web.Request) -> web.Response:
+        """All takes that are kept."""
+        return web.json_response({"takes": self.shop.listed()})
+
+    async def _take(self, request: web.Request) -> tuple[str, Take]:
         name = request.match_info["id"]
-        return name, self.shop.takes.get(name)
+        return name, await asyncio.to_thread(self.shop.take, name)
 
     async def take(self, request: web.Request) -> web.Response:
         """A take but for its frames and its sound."""
-        name, take = self._take(request)
-        return web.json_response(take.plain(name))
+        return web.json_response(await asyncio.to_thread(self.shop.plain, request.match_info["id"]))
+
+    async def open(self, request: web.Request) -> web.Response:
+        """Bring a take back that only the journal has."""
+        return _accepted(self.shop.start_open(request.match_info["id"]))
+
+    async def drop(self, request: web.Request) -> web.Response:
+        """Delete a take."""
+        await asyncio.to_thread(self.shop.drop, request.match_info["id"])
+        return web.json_response({})
+
+    async def copy(self, request: web.Request) -> web.Response:
+        """Another take like one."""
+        return web.json_response(
+            {"take": await asyncio.to_thread(self.shop.copy, request.match_info["id"])}, status=201
+        )
+
+    async def rename(self, request: web.Request) -> web.Response:
+        """Give a take another name."""
+        asked = await read_json(request, self.limits)
+        record = await asyncio.to_thread(self.shop.journal.rename, request.match_info["id"], asked.get("name"))
+        return web.json_response({"name": record.name})
+
+    async def history(self, request: web.Request) -> web.Response:
+        """All steps of a take, as undo and redo know them."""
+        record = self.shop.journal.get(request.match_info["id"])
+        return web.json_response(await asyncio.to_thread(record.plain))
+
+    async def steps(self, request: web.Request) -> web.Response:
+        """Change them: edits, undo, redo."""
+        asked = await read_json(request, self.limits, self.limits.upload_bytes)
+        numbers, add = [asked.get(name) for name in ("keep", "at", "count")], asked.get("add", [])
+        keep, at, count = (one if type(one) is int else -1 for one in numbers)
+        if min(keep, at, count) < 0 or not isinstance(add, list) or len(add) > _MOST_ADDED:
+            raise FieldError(
+                "steps", 'expected {"keep": N, "add": [layers], "at": N, "count": N}, at most 64 layers at once'
+            )
+        layers = [checked_layer(layer, self.limits) for layer in add]
+        name = request.match_info["id"]
+        async with self._turn:
+            told = await asyncio.to_thread(self.shop.steps, name, keep, layers, at, count)
+        return web.json_response(told, status=202 if "job" in told else 200)
 
     async def frames(self, request: web.Request) -> web.Response:
         """All frames, float32."""
-        _, take = self._take(request)
+        _, take = await self._take(request)
         kind = next((kind for kind in ("neutral", "plain") if kind in request.query), "")
         async with self._turn:
             revision, content = await asyncio.to_thread(take.frames, kind)
         headers = {"X-Mien-Revision": str(revision), "Cache-Control": "no-cache"}
-        return web.Response(body=content, content_type="application/octet-stream", headers=headers)
+        return await packed(request, content, "application/octet-stream", headers)
 
     async def sound(self, request: web.Request) -> web.Response:
         """The sound, 24-bit WAV; parts of it where a player asks for them."""
-        _, take = self._take(request)
+        _, take = await self._take(request)
         content = await asyncio.to_thread(take.sound)
         return _ranged(request, content, "audio/wav")
 
     async def edit(self, request: web.Request) -> web.Response:
         """Put a layer of edits on the take."""
-        name, take = self._take(request)
+        name = request.match_info["id"]
         layer = checked_layer(await read_json(request, self.limits), self.limits)
         async with self._turn:
             revision, changed = await asyncio.to_thread(self.shop.edit, name, layer)
-        told = take.plain(name)
+        told = self.shop.plain(name)
         return web.json_response(
             {"revision": revision, "frames_changed": changed, "lost": told["lost"], "take": told},
         )
 
     async def layer(self, request: web.Request) -> web.Response:
         """The edits as a file of their own."""
-        _, take = self._take(request)
+        _, take = await self._take(request)
         headers = {"Content-Disposition": 'attachment; filename="edits.json"'}
         return web.json_response(plain_layer(take.layer), headers=headers)
 
     async def redo(self, request: web.Request) -> web.Response:
-        """Perform the line again with some fields changed; the edits are laid over it again."""
-        name, _ = self._take(request)
+        """Perform the line again with some fields changed, or over another sound; the edits are laid over it again."""
+        name = request.match_info["id"]
+        if request.content_type.startswith("multipart/"):
+            fields, content, _ = await read_form(request, self.limits)
+            if content is None:
+                raise FieldError("sound", "expected a file 'sound' in the form")
+            sound = await asyncio.to_thread(read_sound, content, self.shop.folder, self.limits)
+            return _accepted(self.shop.start_redo(name, fields, sound))
         return _accepted(self.shop.start_redo(name, await read_json(request, self.limits)))
 
     async def export(self, request: web.Request) -> web.Response:
         """Write the take into files."""
-        name, _ = self._take(request)
+        name = request.match_info["id"]
         asked = await read_json(request, self.limits)
         formats = checked_formats(asked.get("formats"))
-        return _accepted(self.shop.start_export(name, formats, Shown.of(asked)))
+        return _accepted(await asyncio.to_thread(self.shop.start_export, name, formats, Shown.of(asked)))
 
     # ------------------------------------------------------------ jobs and files
 
@@ -198,29 +273,6 @@ class Routes:
                     await answer.write(piece)
         await answer.write_eof()
         return answer
-
-
-def checked_layer(document: dict[str, Any], limits: Limits) -> EditLayer:
-    """Read a layer from JSON; a bare ``{"edits": [...]}`` counts as one of this version.
-
-    Raises
-    ------
-    FieldError
-        If it does not hold together, or is larger than the studio takes.
-    """
-    document = (
-        {"format": "mien-edits", "version": 1, **document.get("layer", document)}
-        if isinstance(document.get("layer", document), dict)
-        else document
-    )
-    try:
-        layer = layer_of(document)
-    except InputError as problem:
-        raise FieldError("edits", str(problem)) from problem
-    points = sum(len(edit.points) for _, edit in layer.intensities) + sum(len(edit.keys) for _, edit in layer.curves)
-    if len(layer.edits) + points > limits.edits or len(layer.line or ()) > limits.text_characters:
-        raise FieldError("edits", f"the studio takes at most {limits.edits} edits and points, got more")
-    return layer
 
 
 def _accepted(job: str) -> web.Response:

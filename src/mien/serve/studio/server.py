@@ -15,10 +15,11 @@ from mien.serve.studio.bodies import TooLarge
 from mien.serve.studio.jobs import Busy
 from mien.serve.studio.lru_store import Missing
 from mien.serve.studio.owner_watch import Watch
+from mien.serve.studio.project_routes import ProjectRoutes
 from mien.serve.studio.rig_routes import RigRoutes
 from mien.serve.studio.routes import Routes
 from mien.serve.studio.settings import StudioSettings
-from mien.serve.studio.workshop import Workshop
+from mien.serve.studio.workshop import Changed, Workshop
 
 __all__ = ["WATCH", "application", "running_studio"]
 
@@ -47,6 +48,7 @@ def application(settings: StudioSettings, workshop: Workshop) -> web.Application
     app[WATCH] = watch
     Routes(workshop).add_to(app)
     RigRoutes(workshop).add_to(app)
+    ProjectRoutes(workshop).add_to(app)
     return app
 
 
@@ -56,6 +58,8 @@ async def _answered(request: web.Request, handler: Handler) -> web.StreamRespons
         return await handler(request)
     except Missing as problem:
         return _told(404, str(problem))
+    except Changed as problem:
+        return _told(409, str(problem))
     except Busy as problem:
         return _told(429, str(problem))
     except TooLarge as problem:

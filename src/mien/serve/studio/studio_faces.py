@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import json
 import shutil
+import tempfile
 from dataclasses import asdict, dataclass
+from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
 import numpy as np
 
-from mien.core.errors import InputError
-from mien.serve.studio.lru_store import Kept, new_id
+from mien.core.errors import InputError, OutputError
+from mien.core.files import replace_when_complete
+from mien.face.library import known_faces, load_face
+from mien.serve.studio.light_glb import light_glb
+from mien.serve.studio.lru_store import Kept, Missing, new_id
 from mien.serve.studio.requests import FieldError
 from mien.serve.studio.settings import Limits
 
 __all__ = ["DEFAULT_FACE", "FaceShelf", "ForeignFace"]
 
 DEFAULT_FACE = "default"
+_PICTURE = 144  # pixels
 
 
 @dataclass(frozen=True)
@@ -30,31 +40,77 @@ class ForeignFace:
         Where it lies, under a name of the server's.
     report : dict
         What of it can be driven.
+    name : str
+        The name of its file.
     """
 
     path: Path
     report: dict[str, Any]
+    name: str
 
 
 class FaceShelf:
-    """The faces that a studio can show."""
+    """The faces that a studio can show; those in its folder are there again when it is opened the next time."""
 
     def __init__(self, folder: Path, limits: Limits) -> None:
         self._folder = folder
         self._foreign: Kept[ForeignFace] = Kept(
             "face", limits.faces, limits.kept_bytes, lambda face: _removed(face.path)
         )
-        self._default: bytes | None = None
+        self._own: dict[str, bytes] = {}
+        self._pictures: dict[str, bytes] = {}
         self._lock = Lock()
+        for about in sorted(folder.glob("*/about.json"), key=lambda path: path.stat().st_mtime):
+            with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+                told = json.loads(about.read_text("utf-8"))
+                path = about.parent / "face.glb"
+                size = path.stat().st_size
+                self._foreign.put(ForeignFace(path, told["report"], str(told["name"])), size, about.parent.name)
 
-    def default_glb(self) -> bytes:
-        """The shipped face at rest, every channel it has as a morph target of that name."""
+    def own_glb(self, name: str) -> bytes:
+        """A face of mien's at rest, every channel that it has as a morph target of that name; made once and kept."""
+        kept = self._folder.parent / "shipped" / f"{name}-{version('mien')}-{_digest(name)}.glb"
         with self._lock:
-            if self._default is None:
-                self._default = _resting_glb(self._folder / f"{new_id()}.glb")
-            return self._default
+            if name in self._own:
+                return self._own[name]
+            try:
+                content = kept.read_bytes()
+            except OSError:
+                content = light_glb(_resting_glb(name))
+                with contextlib.suppress(OSError, OutputError):
+                    kept.parent.mkdir(exist_ok=True)
+                    with replace_when_complete(kept) as unfinished:
+                        unfinished.write_bytes(content)
+            self._own[name] = content
+            return content
 
-    def add(self, content: bytes) -> tuple[str, ForeignFace]:
+    def picture(self, name: str) -> bytes:
+        """A small picture of a face of mien's, JPEG; raises `mien.serve.studio.lru_store.Missing`."""
+        from PIL import Image
+
+        from mien.face.posing import Poser
+        from mien.serve.studio.views import Shown
+
+        if name not in known_faces():
+            raise Missing("there is no picture of this face")
+        with self._lock:
+            if name not in self._pictures:
+                face = load_face(name)
+                picture = Shown().renderer(face, _PICTURE, _PICTURE).render(Poser(face, ()).pose(()))
+                out = io.BytesIO()
+                Image.fromarray(np.asarray(picture)[..., :3]).save(out, "JPEG", quality=85)
+                self._pictures[name] = out.getvalue()
+            return self._pictures[name]
+
+    def listed(self) -> list[dict[str, Any]]:
+        """All of them by id, with their names."""
+        shipped = sorted(known_faces(), key=lambda name: (name != DEFAULT_FACE, name))
+        return [{"face": name, "name": name, "own": False} for name in shipped] + [
+            {"face": face.path.parent.name, "name": face.name, "own": True, "report": face.report}
+            for face in self._foreign
+        ]
+
+    def add(self, content: bytes, name: str = "") -> tuple[str, ForeignFace]:
         """Keep an uploaded GLB.
 
         Raises
@@ -69,28 +125,31 @@ class FaceShelf:
         path.write_bytes(content)
         try:
             known_face(path).require_motion()
-            face = ForeignFace(path, _checked_report(path))
+            face = ForeignFace(path, _checked_report(path), name or "a face of yours")
+            about = json.dumps({"name": face.name, "report": face.report})
+            with replace_when_complete(path.parent / "about.json") as unfinished:
+                unfinished.write_text(about, "utf-8")
         except InputError as problem:
             _removed(path)
             raise FieldError("face", str(problem).replace(str(path), "the GLB")) from problem
         except BaseException:
             _removed(path)
             raise
-        return self._foreign.put(face, len(content)), face
+        return self._foreign.put(face, len(content), path.parent.name), face
 
     def glb(self, name: str) -> bytes:
         """A face as GLB; raises `mien.serve.studio.lru_store.Missing`."""
-        return self.default_glb() if name == DEFAULT_FACE else self._foreign.get(name).path.read_bytes()
+        return self.own_glb(name) if name in known_faces() else self._foreign.get(name).path.read_bytes()
 
     def to_write(self, name: object) -> Path | None:
-        """The uploaded GLB of an id, to be driven; None for the shipped face, which is None or ``"default"``.
+        """The uploaded GLB of an id, to be driven; None for the shipped ones.
 
         Raises
         ------
         FieldError
             If there is none of this id.
         """
-        if name is None or name == DEFAULT_FACE:
+        if name is None or name in known_faces():
             return None
         if not isinstance(name, str) or name not in self._foreign:
             raise FieldError("face", "there is no such face (any more): open the GLB again")
@@ -123,17 +182,25 @@ def inspected(path: Path) -> dict[str, Any]:
     return told
 
 
-def _resting_glb(path: Path) -> bytes:
+def _digest(name: str) -> str:
+    """Changes with the face."""
+    face, found = load_face(name), sha256()
+    for part in face.parts:
+        found.update(np.ascontiguousarray(part.vertices).tobytes())
+        for target in sorted(part.targets):
+            found.update(target.encode())
+    return found.hexdigest()[:16]
+
+
+def _resting_glb(name: str) -> bytes:
     from mien.animation.animation import imported
     from mien.core import channels
     from mien.core.timeline import FrameRate
     from mien.core.tracks import ChannelTrack
-    from mien.face.library import load_face
     from mien.formats.gltf import write_glb
 
     rest = ChannelTrack(channels.ALL, np.zeros((1, len(channels.ALL))), FrameRate.of(30))
-    try:
-        write_glb(imported(rest, "the studio"), load_face("default"), path)
+    with tempfile.TemporaryDirectory(prefix="mien-face-") as folder:
+        path = Path(folder) / "face.glb"
+        write_glb(imported(rest, "the studio"), load_face(name), path)
         return path.read_bytes()
-    finally:
-        path.unlink(missing_ok=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from mien.core.errors import InputError
 from mien.serve.studio.requests import FieldError
@@ -13,8 +15,13 @@ from mien.text.script import Script
 from mien.text.script_reading import read_script
 from mien.text.sync_points import Moment, plain
 
-__all__ = ["checked_script"]
+__all__ = ["beginnings_of", "checked_script", "named"]
 
+if TYPE_CHECKING:
+    from mien.serve.studio.studio_takes import Take
+
+_LONG = 16
+"""Words; a shorter text is made at once."""
 _WORDS_PER_SECOND = 4.0
 """Nobody speaks many more, so a text of more words than this makes more sound than is taken."""
 
@@ -38,6 +45,34 @@ def checked_script(text: str, language: str | None, limits: Limits) -> Script:
         told = f"at least {seconds:.0f} s of sound; the studio takes {limits.seconds:.0f} s"
         raise FieldError("text", f"the line would make {told}")
     return script
+
+
+def beginnings_of(text: str) -> tuple[str, ...]:
+    """Beginnings of a long plain text, by whole sentences, each about three times the one before; () of a short one.
+
+    Examples
+    --------
+    >>> [len(beginning.split()) for beginning in beginnings_of("Well. " + "I never said that. " * 9)]
+    [1, 5, 17]
+    >>> beginnings_of("I never said that.")
+    ()
+    """
+    if any(sign in text for sign in "<[{"):  # what is asked for in the text may run over several sentences
+        return ()
+    ends = [match.end(1) for match in re.finditer(r"([.!?…]+[\"'”’)]*)\s+(?=\S)", text)]
+    words = [len(text[:end].split()) for end in ends]
+    total, found, least = len(text.split()), list[str](), 1
+    for end, count in zip(ends, words, strict=True):
+        if count >= least and 2 * count < total and total > _LONG:
+            found.append(text[:end])
+            least = 3 * count
+    return tuple(found)
+
+
+def named(take: Take) -> str:
+    """What a new take is called: the beginning of its text."""
+    text = " ".join(re.sub(r"<[^<>]*>", "", take.animation.utterance.text).split())
+    return f"{text[:40]} …" if len(text) > 42 else text or "take"
 
 
 def _moments(script: Script) -> Iterator[float]:

@@ -6,8 +6,10 @@ not be spoken again. All work here runs in the threads of the `JobPool`.
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +23,7 @@ from mien.animation.edits import EMPTY, EditLayer, line_of
 from mien.animation.edits.edited_emotions import asked_emotions
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
+from mien.core.progress import listening
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
 from mien.motion.alive.visual_prosody import HandMadeProsody
@@ -31,22 +34,30 @@ from mien.pipeline.inputs import spoken_recording, spoken_text
 from mien.pipeline.options import prepared, score_with_voice, with_heard_effort
 from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
+from mien.serve.studio.expressions import expressions_of
+from mien.serve.studio.given_speech import as_corrected
 from mien.serve.studio.jobs import Job, JobPool
+from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, sweep
 from mien.serve.studio.lru_store import Kept
 from mien.serve.studio.page_memory import RememberingMouth, RememberingVoice
-from mien.serve.studio.requests import FieldError, TakeRequest
+from mien.serve.studio.requests import FieldError, TakeRequest, checked_layer
 from mien.serve.studio.results import Export, ResultShelf
 from mien.serve.studio.rigs import RigShelf
 from mien.serve.studio.settings import Limits
 from mien.serve.studio.studio_faces import DEFAULT_FACE, FaceShelf
-from mien.serve.studio.studio_lines import checked_script
+from mien.serve.studio.studio_lines import beginnings_of, checked_script, named
 from mien.serve.studio.studio_takes import Basis, Source, Take, plain_notes
 from mien.serve.studio.views import Shown
 from mien.text.score import Score
 
-__all__ = ["Workshop"]
+__all__ = ["Changed", "Workshop"]
 
 _SPOKEN_KEPT = 8
+_PREFIX = "mien-studio-"
+
+
+class Changed(Exception):  # noqa: N818 - not a fault of ours: two pages work on one take
+    """A take has other steps than the page thinks."""
 
 
 class Workshop:
@@ -55,71 +66,251 @@ class Workshop:
     Parameters
     ----------
     limits : Limits
+    keep : str, Path or None
+        The folder that takes are kept in; None: where this system keeps a user's data.
+    keeps : bool
+        False: nothing is kept beyond the end of the studio.
+
+    Attributes
+    ----------
+    told : str
+        Where takes are kept, in one line.
     """
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, keep: str | Path | None = None, keeps: bool = True) -> None:
         self.limits = limits
-        self.folder = Path(tempfile.mkdtemp(prefix="mien-studio-"))
+        self.folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
+        self._held = contextlib.ExitStack()
+        self._held.enter_context(folder_to_keep(self.folder, self.folder))  # so that nobody sweeps it away
+        sweep(_PREFIX, self.folder.parent)
+        kept, self.told = self.folder, "takes are not kept"
+        if keeps:
+            try:
+                kept, self.told = self._held.enter_context(folder_to_keep(keep, self.folder))
+            except BaseException:
+                shutil.rmtree(self.folder, ignore_errors=True)
+                raise
+        self.journal = Journal(kept, limits)
         self.jobs = JobPool(limits)
         self.takes: Kept[Take] = Kept("take", limits.takes, limits.kept_bytes)
-        self.faces = FaceShelf(self.folder, limits)
+        self.faces = FaceShelf(kept / "faces", limits)
         self.results = ResultShelf(self.folder, limits)
         self.rigs = RigShelf(limits)
+        self._expressions: dict[str, dict[str, Any]] = {}
         self._performers: dict[tuple[str, str | None], Performer] = {}
         self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
-        self._voice = RememberingVoice()
-        self._lock = RLock()
+        self._voice = RememberingVoice(kept / "speech")
+        self._lock, self._waking = RLock(), RLock()
 
     def close(self) -> bool:
         """Stop all jobs and remove everything from the disk; whether every job has ended (`JobPool.close`)."""
         ended = self.jobs.close()
+        self._held.close()
         shutil.rmtree(self.folder, ignore_errors=True)
         return ended
 
     def warm_up(self, job: Job) -> dict[str, Any]:
         """Load what the first line needs: the face, the performer, the voice."""
-        self.faces.default_glb()
+        self.faces.own_glb(DEFAULT_FACE)
         job.at("voice", 0.5)
         self.perform(TakeRequest.of({"text": "Hello."}, self.limits), None, job)
         return {}
 
     # ------------------------------------------------------------ takes
 
+    def take(self, name: str) -> Take:
+        """The take of an id, performed again if only the journal has it; raises `Missing`."""
+        return self.takes.get(name) if name in self.takes else self._woken(name, Job())
+
+    def _woken(self, name: str, job: Job) -> Take:
+        record = self.journal.get(name)
+        step = record.step
+        with self._waking:
+            if name in self.takes:
+                return self.takes.get(name)
+            take = self.perform(step.request, self.journal.sound(step.sound), job, step.layer)
+            if self.journal.get(name).step != step:  # it was changed meanwhile
+                raise Changed("the take was changed meanwhile: open it again")
+            self.takes.put(take, take.size, name)
+            return take
+
+    def start_open(self, name: str) -> str:
+        """Queue what brings a take back that only the journal has."""
+        self.journal.get(name)
+
+        def work(job: Job) -> dict[str, Any]:
+            if name not in self.takes:
+                self._woken(name, job)
+            return {"take": name}
+
+        return self.jobs.start(work)
+
     def start_take(self, request: TakeRequest, sound: Audio | None = None, notes: tuple[Note, ...] = ()) -> str:
         """Queue a new take; returns the job's id. ``notes`` are what is known of the sound."""
         source = None if sound is None else Source(sound, notes)
-        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job))})
 
-    def start_redo(self, name: str, changes: dict[str, Any]) -> str:
-        """Queue a take like another with some fields of the request changed."""
-        take = self.takes.get(name)
-        source = take.basis.source
-        request = take.basis.request.changed(changes, self.limits, with_sound=source is not None)
-        layer = take.layer
-        return self.jobs.start(lambda job: {"take": self._kept(self.perform(request, source, job, layer))})
+        def work(job: Job) -> dict[str, Any]:
+            take = self._shown_by_and_by(request, source, job, EMPTY)
+            digest = None if source is None else self.journal.keep_sound(source)
+            record = Record(named(take), time.time(), [Step(request, EMPTY, digest)])
+            job.at(job.step)
+            name = self.journal.add(record)
+            self.takes.put(take, take.size, name)
+            return {"take": name}
+
+        return self.jobs.start(work)
+
+    def start_redo(
+        self, name: str, changes: dict[str, Any], sound: tuple[Audio, tuple[Note, ...]] | None = None
+    ) -> str:
+        """Queue a take's performance with some fields of its request changed, or with another sound: its next step.
+
+        Parameters
+        ----------
+        changes : dict
+            Fields; ``layer`` is another layer of edits, ``sound`` None takes the recording away.
+        """
+        record = self.journal.get(name)
+        changes = dict(changes)
+        layer = changes.pop("layer", None)
+        digest = record.step.sound if changes.pop("sound", True) is not None else None
+        with_sound = sound is not None or digest is not None
+        request = record.step.request.changed(changes, self.limits, with_sound=with_sound)
+
+        def work(job: Job) -> dict[str, Any]:
+            source = self.journal.sound(digest) if sound is None else Source(*sound)
+            kept = None if source is None else self.journal.keep_sound(source)
+            edits = record.step.layer if layer is None else checked_layer(layer, self.limits)
+            take = self._shown_by_and_by(request, source, job, edits)
+            job.at(job.step)
+            at = self.journal.get(name).at
+            self.journal.change(name, at + 1, [Step(request, take.layer, kept)], at + 1)
+            self._put(name, take)
+            return {"take": name}
+
+        return self.jobs.start(work)
+
+    def _put(self, name: str, take: Take) -> None:
+        """A take in the place of the one that had its id."""
+        if name in self.takes:
+            take.revision = self.takes.get(name).revision + 1
+        self.takes.put(take, take.size, name)
+
+    def _shown_by_and_by(self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer) -> Take:
+        """Perform; of a long text the beginning can be heard and seen while the rest is made."""
+        beginnings = beginnings_of(request.text) if source is None else ()
+        for beginning in beginnings:
+            with contextlib.suppress(InputError):  # what is wrong with the text is told of the whole
+                first = self.perform(replace(request, text=beginning), None, job, part=True)
+                job.shows(self.takes.put(first, first.size))
+        return self.perform(request, source, job, layer)
+
+    def steps(self, name: str, keep: int, add: Sequence[EditLayer], at: int, count: int) -> dict[str, Any]:
+        """Change a take's steps: edits, undo, redo. Gives what the page must know, or the job that performs it.
+
+        Parameters
+        ----------
+        keep : int
+            So many of the first steps stay.
+        add : sequence of EditLayer
+            Then come these.
+        at : int
+            This one is shown.
+        count : int
+            How many steps there were, as the page thinks.
+
+        Raises
+        ------
+        Changed
+            If there are others.
+        """
+        record = self.journal.get(name)
+        if count != len(record.steps):
+            raise Changed("this take was changed in another window: it is read again")
+        if not 0 < keep <= count:
+            raise FieldError("steps", f"the take has {count} steps: cannot keep {keep}")
+        base = record.steps[keep - 1]
+        if base.same_speech(record.step):
+            made = self._made(self.take(name))
+            add = [made(layer) for layer in add]
+        added = [replace(base, layer=layer) for layer in add]
+        step = record.changed(keep, added, at).step
+        if step.same_speech(record.step):
+            revision, changed = self._laid(name, step.layer, lambda: self.journal.change(name, keep, added, at))
+            return {"revision": revision, "frames_changed": changed, "take": self.plain(name)}
+
+        def work(job: Job) -> dict[str, Any]:
+            take = self.perform(step.request, self.journal.sound(step.sound), job, step.layer)
+            job.at(job.step)
+            self.journal.change(name, keep, added, at)
+            self._put(name, take)
+            return {"take": name}
+
+        return {"job": self.jobs.start(work)}
+
+    def plain(self, name: str) -> dict[str, Any]:
+        """A take as JSON, with what the journal knows of it."""
+        told = self.take(name).plain(name)
+        if name not in self.journal.records:  # the beginning of a longer one
+            return told
+        record = self.journal.get(name)
+        return told | {"name": record.name, "made": record.made, "at": record.at, "count": len(record.steps)}
+
+    def listed(self) -> list[dict[str, Any]]:
+        """All takes, the newest first."""
+        records = sorted(self.journal.records.items(), key=lambda item: -item[1].made)
+        return [
+            {"take": name, "name": record.name, "made": record.made, "text": record.step.request.text[:200],
+             "emotion": list(record.step.request.emotion), "from_sound": record.step.sound is not None,
+             "edits": len(record.step.layer.edits), "steps": len(record.steps)}
+            for name, record in records
+        ]  # fmt: skip
+
+    def copy(self, name: str) -> str:
+        """Another take like one; gives its id."""
+        record = self.journal.get(name)
+        made = self.journal.add(replace(record, name=f"{record.name} (copy)", made=time.time()))
+        if name in self.takes:
+            take = self.takes.get(name)
+            self.takes.put(Take(take.basis, take.under, take.animation, take.layer), take.size, made)
+        return made
+
+    def with_sound(self, record: Record, source: Source) -> Record:
+        """A record whose recorded steps have a sound that came back from a page."""
+        digest = self.journal.keep_sound(source)
+        steps = [step if step.sound is None else replace(step, sound=digest) for step in record.steps]
+        return replace(record, steps=steps)
+
+    def drop(self, name: str) -> None:
+        """Delete a take."""
+        self.journal.drop(name)
+        self.takes.drop(name)
 
     def start_export(self, name: str, formats: Sequence[str], shown: Shown) -> str:
         """Queue the writing of files."""
-        animation = self.takes.get(name).animation
+        animation = self.take(name).animation
         foreign = self.faces.to_write(shown.face)
-        if shown.rig is not None and (foreign is not None or not isinstance(shown.rig, str)):
+        if shown.rig is not None and (shown.face not in (None, DEFAULT_FACE) or not isinstance(shown.rig, str)):
             raise FieldError("rig", "a rig moves the default face: leave 'face' out")
         rig = None if shown.rig is None else self.rigs.known(str(shown.rig))
 
         def work(job: Job) -> dict[str, Any]:
             job.at("face")
-            own = load_face(DEFAULT_FACE) if rig is None else with_tree(self.rigs.face, self.rigs.get(rig).tree)
+            own = (
+                load_face(str(shown.face or DEFAULT_FACE) if foreign is None else DEFAULT_FACE)
+                if rig is None
+                else with_tree(self.rigs.face, self.rigs.get(rig).tree)
+            )
             export = Export(own if foreign is None else foreign, shown, formats)
             made, called, notes = self.results.export(animation, export, job)
             return {"file": f"/api/files/{made}/{called}", "notes": plain_notes(notes)}
 
         return self.jobs.start(work)
 
-    def _kept(self, take: Take) -> str:
-        return self.takes.put(take, take.size)
-
-    def perform(self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer = EMPTY) -> Take:
-        """Speak or hear a line, and perform it."""
+    def perform(
+        self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer = EMPTY, part: bool = False
+    ) -> Take:
+        """Speak or hear a line, and perform it; ``part``: only the beginning of what was asked for."""
         job.at("performer", 0.02)
         performer = self._performer(request)
         emotions = [one for one in request.emotion if one != "auto"]
@@ -131,7 +322,12 @@ class Workshop:
             raise FieldError("emotion", str(problem)) from problem
         performer = replace(performer, prosody=HandMadeProsody(request.prosody))
         job.at("listening" if source is not None else "voice", 0.1)
-        spoken = self._speech(request, source, performer, score)
+
+        def heard(what: str, done: int, total: int) -> None:
+            job.at(f"{what} ({done} of {total})", None if part else 0.1 + 0.5 * done / max(total, 1))
+
+        with listening(heard):
+            spoken = self._speech(request, source, performer, score)
         if spoken.utterance.duration > self.limits.seconds:
             told = f"{spoken.utterance.duration:.0f} s of sound; the studio takes {self.limits.seconds:.0f} s"
             raise FieldError("text", f"the line makes {told}")
@@ -142,7 +338,9 @@ class Workshop:
             spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
         if source is not None:
             score, spoken = with_heard_effort(score, spoken)
-        job.at("motion", 0.6)
+        job.at("motion", None if part else 0.6)
+        if request.times is not None:
+            spoken = replace(spoken, utterance=as_corrected(spoken.utterance, request.times))
         spoken, asked = directed(spoken, score)
         basis = Basis(request, source, spoken, asked, performer, rate)
         layer = layer.made_on(line_of(spoken.utterance).line, asked_emotions(asked))
@@ -150,7 +348,7 @@ class Workshop:
         return Take(basis, under, with_edited_channels(under), layer)
 
     def edit(self, name: str, layer: EditLayer) -> tuple[int, tuple[int, int] | None]:
-        """Put another layer on a take; only what the difference asks for is performed again.
+        """Put another layer on a take, as its next step; only what the difference asks for is performed again.
 
         Returns
         -------
@@ -158,17 +356,36 @@ class Workshop:
         changed : tuple of int, or None
             The first and the last frame that differ from before.
         """
-        take = self.takes.get(name)
-        layer = layer.made_on(line_of(take.basis.spoken.utterance).line, asked_emotions(take.basis.score))
+        record, layer = self.journal.get(name), self._made(self.take(name))(layer)
+        step, at = replace(record.step, layer=layer), record.at + 1
+        return self._laid(name, layer, lambda: self.journal.change(name, at, [step], at))
+
+    @staticmethod
+    def _made(take: Take) -> Callable[[EditLayer], EditLayer]:
+        """Layers that say on which line they were made, so that they are laid on another one rightly."""
+        line, emotions = line_of(take.basis.spoken.utterance).line, asked_emotions(take.basis.score)
+        return lambda layer: layer.made_on(line, emotions)
+
+    def _laid(self, name: str, layer: EditLayer, keep: Callable[[], object]) -> tuple[int, tuple[int, int] | None]:
+        take = self.take(name)
         with take.changing:
             same = _under(layer) == _under(take.layer)
             under = take.basis.with_layer(take.under, layer) if same else take.basis.under(layer)
             animation = with_edited_channels(under)
             changed = _changed(take.animation, animation)
+            keep()
             with take.lock:
                 take.under, take.animation, take.layer = under, animation, layer
                 take.revision += 1
                 return take.revision, changed
+
+    def expressions(self, name: str) -> dict[str, Any]:
+        """What every emotion of a performer does to the face of somebody who is silent, mean over two seconds."""
+        request = TakeRequest.of({"performer": name}, self.limits, with_sound=True)
+        with self._waking:
+            if name not in self._expressions:
+                self._expressions[name] = expressions_of(self._performer(request))
+            return self._expressions[name]
 
     def _performer(self, request: TakeRequest) -> Performer:
         key = request.performer, request.speech_model

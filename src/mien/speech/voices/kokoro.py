@@ -7,7 +7,7 @@ write from our own ARPAbet pronunciations; it tells how long each letter lasts, 
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from importlib.util import find_spec
 from itertools import pairwise
@@ -83,19 +83,26 @@ class Kokoro(Voice):
         settings = letter_table("kokoro")
         letters = letters_of(sentence, settings)
         numbers = [settings["numbers"][letter.symbol] for letter in letters]
-        style = _styles()[self.speaker]
-        samples, frames = _network().run(
-            None,
-            {
-                "tokens": np.array([[settings["pad"], *numbers, settings["pad"]]], dtype=np.int64),
-                "style": style[min(len(numbers), len(style)) - 1][None].astype(np.float32),
-                "speed": np.ones(1, dtype=np.float32),
-            },
-        )
+        samples, frames = _said(self.speaker, (settings["pad"], *numbers, settings["pad"]))
         seconds = settings["samples_per_frame"] / settings["sample_rate"]
         ends = np.maximum(np.cumsum(np.ravel(frames).astype(np.float64)) - settings["frames_late"], 0.0) * seconds
         phones, words = times_of(letters, list(pairwise(ends.tolist()[:-1])), sentence)
         return Piece(np.ravel(samples), phones, words, sentence)
+
+
+@lru_cache(maxsize=64)
+def _said(speaker: str, tokens: tuple[int, ...]) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Sound and frames a token; a sentence that was said a short while ago is not said again."""
+    style = _styles()[speaker]
+    asked = {
+        "tokens": np.array([tokens], dtype=np.int64),
+        "style": style[min(len(tokens) - 2, len(style)) - 1][None].astype(np.float32),
+        "speed": np.ones(1, dtype=np.float32),
+    }
+    samples, frames = _network().run(None, asked)
+    for made in (samples, frames):
+        made.setflags(write=False)
+    return samples, frames
 
 
 @cache

@@ -1,0 +1,68 @@
+// A menu at the pointer, or at the element that has the focus.
+import { make } from '../dom';
+
+export type Item = readonly [label: string, act: () => void, keys?: string] | null;
+
+let open: HTMLElement | undefined;
+
+export function closeMenu(): void {
+  open?.remove();
+  open = undefined;
+}
+
+export function showMenu(x: number, y: number, items: readonly Item[]): void {
+  closeMenu();
+  const back = document.activeElement as HTMLElement | null;
+  const menu = make('div', { class: 'context-menu', role: 'menu', tabindex: -1 }, ...items.map((item) => {
+    if (item === null) return make('hr', { role: 'separator' });
+    const [label, act, keys] = item;
+    const entry = make('button', { type: 'button', role: 'menuitem', tabindex: -1 }, make('span', {}, label), keys === undefined ? null : make('kbd', {}, keys));
+    entry.addEventListener('click', () => {
+      closeMenu();
+      back?.focus({ preventScroll: true });
+      act();
+    });
+    return entry;
+  }));
+  menu.addEventListener('keydown', (event) => {
+    const entries = [...menu.querySelectorAll<HTMLElement>('[role=menuitem]')];
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (event.key === 'Escape' || event.key === 'Tab') {
+      closeMenu();
+      back?.focus({ preventScroll: true });
+    } else if (step !== undefined) entries[(entries.indexOf(document.activeElement as HTMLElement) + step + entries.length) % entries.length]?.focus();
+    else if (event.key !== 'Enter' && event.key !== ' ') return;
+    if (event.key !== 'Enter' && event.key !== ' ') event.preventDefault();
+    event.stopPropagation();
+  });
+  document.body.append(menu);
+  open = menu;
+  const { width, height } = menu.getBoundingClientRect();
+  menu.style.left = `${Math.max(4, Math.min(x, innerWidth - width - 4))}px`;
+  menu.style.top = `${Math.max(4, Math.min(y, innerHeight - height - 4))}px`;
+  menu.querySelector<HTMLElement>('[role=menuitem]')?.focus({ preventScroll: true });
+}
+
+document.addEventListener('pointerdown', (event) => { if (open !== undefined && !open.contains(event.target as Node)) closeMenu(); }, { capture: true });
+
+/** Asks for one line; null if nothing was given. */
+export function ask(title: string, value: string): Promise<string | null> {
+  const input = make('input', { type: 'text', value, 'aria-label': title });
+  const form = make('form', { method: 'dialog' }, make('h2', {}, title), input,
+    make('div', { class: 'actions' }, make('button', { value: 'no' }, 'Cancel'), make('button', { value: 'yes', class: 'primary' }, 'OK')));
+  const dialog = make('dialog', { class: 'help-dialog', 'aria-label': title }, form);
+  input.addEventListener('keydown', (event) => {
+    if (event.key !== 'Enter') return;
+    event.preventDefault();
+    dialog.close('yes');
+  });
+  document.body.append(dialog);
+  dialog.showModal();
+  input.select();
+  return new Promise((resolve) => {
+    dialog.addEventListener('close', () => {
+      dialog.remove();
+      resolve(dialog.returnValue === 'yes' && input.value.trim() !== '' ? input.value.trim() : null);
+    });
+  });
+}
