@@ -6,6 +6,7 @@ import base64
 import json
 import zlib
 from collections.abc import Mapping, Sequence
+from difflib import SequenceMatcher
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from .head_file import Motion
 from .heads import Member
 
 OURS = "mien"
-"""The custom property by which markers, strips, objects are known to be mien's."""
+"""The custom property by which strips, objects and actions are known to be mien's."""
 _STILL = 1e-6
 
 
@@ -131,9 +132,8 @@ def borders_moved(scene: bpy.types.Scene, head: bpy.types.Object) -> list[dict]:
     if kept is None:
         return []
     fps, starts = float(scene_rate(scene)), {}
-    for marker in scene.timeline_markers:
-        number = marker.get(OURS + "_phone")
-        if number is not None and marker.frame != marker[OURS + "_frame"]:
+    for marker, (_, frame, number) in our_markers(scene):
+        if number is not None and marker.frame != frame:
             starts[number] = (marker.frame - kept["start"]) / fps
     return kept["borders"] + moved_borders(kept["line"]["phones"], kept["line"]["words"], starts, 0.5 / fps)
 
@@ -218,7 +218,7 @@ def _curve_called(name: str, members: Sequence[Member]) -> curves.Curve | None:
 def strips_of(scene: bpy.types.Scene):
     """The sequencer's strips, as Blender 4.4 and later or earlier call them."""
     editor = scene.sequence_editor or scene.sequence_editor_create()
-    return getattr(editor, "strips", None) or editor.sequences
+    return editor.strips if hasattr(editor, "strips") else editor.sequences
 
 
 def put_sound(scene: bpy.types.Scene, path: str | Path, title: str) -> list[str]:
@@ -239,24 +239,29 @@ def put_sound(scene: bpy.types.Scene, path: str | Path, title: str) -> list[str]
     return []
 
 
+def our_markers(scene: bpy.types.Scene) -> list[tuple[bpy.types.TimelineMarker, list]]:
+    """Markers of mien's last performance that are still there, each with its name, frame and phone as written.
+
+    Markers hold no properties from Blender 5.0 on; they keep their order, so they are known by their names.
+    """
+    written, there = json.loads(scene.get(OURS + "_markers", "[]")), list(scene.timeline_markers)
+    matcher = SequenceMatcher(None, [entry[0] for entry in written], [marker.name for marker in there], autojunk=False)
+    blocks = matcher.get_matching_blocks()
+    return [(there[block.b + k], written[block.a + k]) for block in blocks for k in range(block.size)]
+
+
 def put_markers(scene: bpy.types.Scene, line: dict) -> None:
     """Markers of words and phones, in the place of mien's last ones."""
-    fps = float(scene_rate(scene))
-    for marker in [marker for marker in scene.timeline_markers if OURS in marker]:
+    fps, written = float(scene_rate(scene)), []
+    for marker, _ in our_markers(scene):
         scene.timeline_markers.remove(marker)
-
-    def put(label: str, seconds: float, kind: str):
-        marker = scene.timeline_markers.new(label, frame=scene.mien.start + round(seconds * fps))
-        marker[OURS] = kind
-        return marker
-
-    if scene.mien.markers != "NONE":
-        for start, _, label in line["words"]:
-            put(label, start, "word")
+    wanted = [(label, start, None) for start, _, label in line["words"]] if scene.mien.markers != "NONE" else []
     if scene.mien.markers == "BOTH":
-        for number, (start, _, label) in enumerate(line["phones"]):
-            marker = put(f"/{label}/", start, "phone")
-            marker[OURS + "_phone"], marker[OURS + "_frame"] = number, marker.frame
+        wanted += [(f"/{label}/", start, number) for number, (start, _, label) in enumerate(line["phones"])]
+    for label, seconds, number in wanted:
+        marker = scene.timeline_markers.new(label, frame=scene.mien.start + round(seconds * fps))
+        written.append([marker.name, marker.frame, number])
+    scene[OURS + "_markers"] = json.dumps(written)
 
 
 def emotion_strips(scene: bpy.types.Scene) -> list:

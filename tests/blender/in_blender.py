@@ -139,7 +139,7 @@ def shifted(scene, performance) -> list:
     holder = sys.modules["mien_blender.operators"].performance_holder(scene.mien.head)
     before = json.loads(holder["mien"])["line"]["phones"]
     number = next(n for n, phone in enumerate(before) if phone[2] == "S")
-    next(m for m in scene.timeline_markers if m.get("mien_phone") == number).frame += 2
+    next(marker for marker, (_, _, phone) in performance.our_markers(scene) if phone == number).frame += 2
     bpy.ops.mien.perform()
     return [before[number][0], json.loads(holder["mien"])["line"]["phones"][number][0]]
 
@@ -165,7 +165,7 @@ def made_head(curves, members_of, scene) -> None:
     ball.parent = bones
     scene.mien.head, scene.mien.emotion = ball, ""
     for strip in sys.modules["mien_blender.performance"].emotion_strips(scene):
-        scene.sequence_editor.strips.remove(strip)
+        sys.modules["mien_blender.performance"].strips_of(scene).remove(strip)
     scene.mien.source, scene.mien.file = "FILE", str(FOLDER / "line.json")
     FACTS["made_result"] = list(bpy.ops.mien.perform())
     FACTS["made"] = played(curves, members_of(ball)[0])

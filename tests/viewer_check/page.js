@@ -1,6 +1,7 @@
 // Loads /model.glb as any three.js viewer does and lets the driver look at it at chosen times.
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 
 const WIDTH = 480, HEIGHT = 600;
 const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -14,7 +15,7 @@ const key = new THREE.DirectionalLight(0xffffff, 2.2);
 key.position.set(0.5, 0.6, 1);
 scene.add(key);
 
-const gltf = await new GLTFLoader().loadAsync('/model.glb');
+const gltf = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync('/model.glb');
 scene.add(gltf.scene);
 const mixer = new THREE.AnimationMixer(gltf.scene);
 const clip = gltf.animations[0];

@@ -35,16 +35,24 @@ from mien.face.posing import eye_rotation, head_rotation
 from mien.formats.face_motion import TargetNormals, linear_light, lost_tree, playing_facts, quaternions
 from mien.formats.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer, pack_glb
 
-__all__ = ["write_glb"]
+__all__ = ["METRES", "GlbBuilder", "write_glb"]
 
-_METRES = 1e-3
+METRES = 1e-3
 _JPEG_QUALITY = 92
 _LOOKS = ("Up", "Down", "In", "Out")
 
 Floats = NDArray[np.float32]
 
 
-def write_glb(animation: Animation, face: Face, path: str | Path) -> tuple[Note, ...]:
+def write_glb(
+    animation: Animation,
+    face: Face,
+    path: str | Path,
+    *,
+    compact: bool = False,
+    meshopt: bool = False,
+    clip: str = "performance",
+) -> tuple[Note, ...]:
     """Write a face that performs an animation as a GLB file.
 
     Parameters
@@ -52,6 +60,12 @@ def write_glb(animation: Animation, face: Face, path: str | Path) -> tuple[Note,
     animation : Animation
     face : Face
     path : path-like
+    compact : bool
+        ARKit's 52 targets alone, whole numbers instead of decimals, smaller pictures (`mien.formats.compact_glb`).
+    meshopt : bool
+        Compact, and compressed besides, for players that know ``EXT_meshopt_compression``.
+    clip : str
+        Name of the animation.
 
     Raises
     ------
@@ -62,17 +76,23 @@ def write_glb(animation: Animation, face: Face, path: str | Path) -> tuple[Note,
     """
     if len(animation.channels) == 0:
         raise InputError(f"cannot write {path}: the animation has no frames")
-    content = _Builder(face).build(animation)
+    from mien.formats.compact_glb import CompactBuilder
+
+    builder = CompactBuilder(face, clip, meshopt) if compact or meshopt else GlbBuilder(face, clip)
+    content = builder.build(animation)
     with replace_when_complete(path) as unfinished:
         unfinished.write_bytes(content)
     return lost_tree(animation, face, "a GLB")
 
 
-class _Builder:
+class GlbBuilder:
     """Assembles the document; every ``_add_...`` appends to it and returns the number of what it appended."""
 
-    def __init__(self, face: Face) -> None:
-        self.face = face
+    extensions: tuple[str, ...] = ()
+    """Which a reader has to know."""
+
+    def __init__(self, face: Face, clip: str = "performance") -> None:
+        self.face, self.clip = face, clip
         self.buffer = GltfBuffer()
         self.materials: list[dict[str, Any]] = []
         self.textures: list[dict[str, Any]] = []
@@ -84,6 +104,7 @@ class _Builder:
         self._normals = TargetNormals(face)
 
     def build(self, animation: Animation) -> bytes:
+        """The whole file."""
         eyes = [(eye, self._add_eye(eye)) for eye in self.face.eyes]
         head = self._add_node(name="head", translation=_metres(self.face.head_pivot))
         if eyes:
@@ -106,8 +127,10 @@ class _Builder:
             "materials": self.materials,
             "accessors": self.buffer.accessors,
             "bufferViews": self.buffer.views,
-            "buffers": [{"byteLength": len(self.buffer.data)}],
+            "buffers": self.buffer.buffers,
         }
+        if self.extensions:
+            document |= {"extensionsUsed": list(self.extensions), "extensionsRequired": list(self.extensions)}
         if self.images:
             document |= {"images": self.images, "textures": self.textures, "samplers": [{}]}
         if self.face.licence:
@@ -139,7 +162,8 @@ class _Builder:
         rest = [part for part in parts if part not in tongue]
         muscles = tuple(name for name in MUSCLES if any(name in part.targets for part in rest))
         meshes = []
-        for name, group, targets in (("face", rest, ARKIT + muscles), ("tongue", tongue, ARKIT + TONGUE)):
+        for name, group, extra in (("face", rest, muscles), ("tongue", tongue, TONGUE)):
+            targets = self._targets(group, extra)
             if group:
                 primitives = [self._skinned_primitive(part, targets) for part in group]
                 mesh = {"name": name, "primitives": primitives, "weights": [0.0] * len(targets)}
@@ -147,16 +171,24 @@ class _Builder:
                 meshes.append((self._add_node(name=name, mesh=len(self.meshes) - 1, skin=0), targets))
         return meshes
 
+    def _targets(self, parts: Sequence[Part], extra: tuple[str, ...]) -> tuple[str, ...]:
+        """Names of the targets of a mesh of these parts."""
+        return ARKIT + extra
+
     def _skin(self, trunk: int, head: int) -> dict[str, Any]:
         inverse = np.tile(np.eye(4, dtype=np.float32), (2, 1, 1))
         inverse[1, 3, :3] = -np.array(_metres(self.face.head_pivot), dtype=np.float32)  # column-major
-        accessor = self.buffer.add(inverse.reshape(2, 16))
+        accessor = self.buffer.add(self._inverse(inverse).reshape(2, 16))
         return {"name": "neck", "joints": [trunk, head], "skeleton": trunk, "inverseBindMatrices": accessor}
+
+    def _inverse(self, inverse: Floats) -> Floats:
+        """Inverse bind matrices, (joints, 4, 4) column-major, for the units that places are written in."""
+        return inverse
 
     def _primitive(self, part: Part, vertices: Floats) -> dict[str, Any]:
         index = part.triangles.reshape(-1).astype(np.uint16 if len(vertices) <= 65_535 else np.uint32)
         attributes = {
-            "POSITION": self.buffer.add((vertices * _METRES).astype(np.float32), ARRAY_BUFFER, bounds=True),
+            "POSITION": self.buffer.add((vertices * METRES).astype(np.float32), ARRAY_BUFFER, bounds=True),
             "NORMAL": self.buffer.add(self._normals.at_rest(part), ARRAY_BUFFER),
         }
         if part.material.texture is not None:
@@ -179,16 +211,19 @@ class _Builder:
         joints[:, 0], weights[:, 0] = whole, np.where(whole, 1.0, 1.0 - weight)
         joints[:, 1], weights[:, 1] = (weight > 0) & ~whole, np.where(whole, 0.0, weight)
         primitive["attributes"]["JOINTS_0"] = self.buffer.add(joints, ARRAY_BUFFER)
-        primitive["attributes"]["WEIGHTS_0"] = self.buffer.add(weights, ARRAY_BUFFER)
+        primitive["attributes"]["WEIGHTS_0"] = self._joint_weights(weights)
         primitive["targets"] = [self._target(part, name) for name in targets]
         return primitive
+
+    def _joint_weights(self, weights: Floats) -> int:
+        return self.buffer.add(weights, ARRAY_BUFFER)
 
     def _target(self, part: Part, name: str) -> dict[str, int]:
         offsets = np.zeros_like(part.vertices, dtype=np.float32)
         normals = np.zeros_like(offsets)
         if name in part.targets:
             target = part.targets[name]
-            np.add.at(offsets, target.vertices, (target.offsets * _METRES).astype(np.float32))
+            np.add.at(offsets, target.vertices, (target.offsets * METRES).astype(np.float32))
             normals = self._normals.change(part, name)
         return {"POSITION": self.buffer.add_sparse(offsets), "NORMAL": self.buffer.add_sparse(normals)}
 
@@ -203,7 +238,9 @@ class _Builder:
             }
             if material.texture is not None:
                 surface["baseColorTexture"] = {"index": self._add_texture(material.name, material.texture)}
-            facts = {"name": material.name, "pbrMetallicRoughness": surface, "doubleSided": True}
+            facts: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface, "doubleSided": True}
+            if material.texture is not None and material.texture.shape[2] == 4:
+                facts |= {"alphaMode": "MASK", "alphaCutoff": 0.5}
             self.materials.append(facts)
             self._material_numbers[id(material)] = len(self.materials) - 1
         return self._material_numbers[id(material)]
@@ -211,16 +248,20 @@ class _Builder:
     def _add_texture(self, name: str, texture: NDArray[np.uint8]) -> int:
         from PIL import Image
 
-        stream = io.BytesIO()
-        Image.fromarray(np.ascontiguousarray(texture)).save(stream, "JPEG", quality=_JPEG_QUALITY, subsampling=0)
-        picture = stream.getvalue()
+        image, kind = Image.fromarray(np.ascontiguousarray(texture)), "PNG" if texture.shape[2] == 4 else "JPEG"
+        picture = self._encoded(image, kind)
         if picture in self._texture_numbers:  # both eyes show one picture
             return self._texture_numbers[picture]
         view = self.buffer.add_bytes(picture)
-        self.images.append({"name": name, "mimeType": "image/jpeg", "bufferView": view})
+        self.images.append({"name": name, "mimeType": f"image/{kind.lower()}", "bufferView": view})
         self.textures.append({"sampler": 0, "source": len(self.images) - 1})
         self._texture_numbers[picture] = len(self.textures) - 1
         return len(self.textures) - 1
+
+    def _encoded(self, image: Any, kind: str) -> bytes:
+        stream = io.BytesIO()
+        image.save(stream, kind, quality=_JPEG_QUALITY, subsampling=0)
+        return stream.getvalue()
 
     # ------------------------------------------------------------ motion
 
@@ -244,11 +285,15 @@ class _Builder:
         samplers: list[dict[str, Any]] = []
         channels: list[dict[str, Any]] = []
         for node, path, values in tracks:
-            output = self.buffer.add(values.astype(np.float32))
+            output = self._output(path, values)
             channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
             samplers.append({"input": times, "interpolation": "LINEAR", "output": output})
-        return {"name": "performance", "channels": channels, "samplers": samplers}
+        return {"name": self.clip, "channels": channels, "samplers": samplers}
+
+    def _output(self, path: str, values: NDArray[Any]) -> int:
+        """Keys of weights or rotations."""
+        return self.buffer.add(values.astype(np.float32))
 
 
 def _metres(point: Sequence[float] | NDArray[Any]) -> list[float]:
-    return [float(number) * _METRES for number in point]
+    return [float(number) * METRES for number in point]

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GltfBuffer", "pack_glb"]
+__all__ = ["GltfBuffer", "MeshoptBuffer", "pack_glb"]
 
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-_COMPONENTS = {"uint8": 5121, "uint16": 5123, "uint32": 5125, "float32": 5126}
+_COMPONENTS = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125, "float32": 5126}
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
@@ -29,21 +29,33 @@ class GltfBuffer:
         self.views: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
         self._bytes = bytearray()
-        self._zeros: dict[int, int] = {}
+        self._zeros: dict[tuple[int, str], int] = {}
+        self._rows: dict[bytes, int] = {}
 
     @property
     def data(self) -> bytes:
         """The binary chunk so far."""
         return bytes(self._bytes)
 
-    def add_bytes(self, raw: bytes, target: int | None = None) -> int:
+    @property
+    def buffers(self) -> list[dict[str, Any]]:
+        """The ``buffers`` of the document."""
+        return [{"byteLength": len(self._bytes)}]
+
+    def add_bytes(self, raw: bytes, target: int | None = None, stride: int | None = None) -> int:
         """Append raw bytes on a boundary of four; returns the number of their buffer view."""
         view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self._bytes), "byteLength": len(raw)}
         if target is not None:
             view["target"] = target
+        if stride is not None:
+            view["byteStride"] = stride
         self._bytes += raw + bytes(-len(raw) % 4)
         self.views.append(view)
         return len(self.views) - 1
+
+    def add_vertices(self, rows: NDArray[Any], target: int, stride: int | None = None) -> int:
+        """Append what a graphics card takes: attributes of vertices, or their indices."""
+        return self.add_bytes(rows.tobytes(), target, stride)
 
     def add(
         self, array: NDArray[Any], target: int | None = None, *, bounds: bool = False, normalized: bool = False
@@ -52,7 +64,7 @@ class GltfBuffer:
 
         Parameters
         ----------
-        array : ndarray of uint8, uint16, uint32 or float32
+        array : ndarray of int8, uint8, int16, uint16, uint32 or float32
         target : int, optional
             What a graphics card uses it for; None for animation data.
         bounds : bool
@@ -61,7 +73,15 @@ class GltfBuffer:
             Whether whole numbers stand for 0..1.
         """
         accessor = self._accessor(array)
-        accessor["bufferView"] = self.add_bytes(np.ascontiguousarray(array).tobytes(), target)
+        if target == ARRAY_BUFFER and array.ndim > 1 and (width := array.shape[1] * array.itemsize) % 4:
+            stride = width + -width % 4  # rows of vertices begin at multiples of four bytes
+            padded = np.zeros((len(array), stride // array.itemsize), array.dtype)
+            padded[:, : array.shape[1]] = array
+            accessor["bufferView"] = self.add_vertices(padded, target, stride)
+        elif target is not None:
+            accessor["bufferView"] = self.add_vertices(np.ascontiguousarray(array), target)
+        else:
+            accessor["bufferView"] = self.add_bytes(np.ascontiguousarray(array).tobytes())
         if normalized:
             accessor["normalized"] = True
         if bounds:
@@ -69,28 +89,32 @@ class GltfBuffer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
-    def add_sparse(self, array: NDArray[np.float32], *, bounds: bool = False) -> int:
+    def add_sparse(self, array: NDArray[Any], *, normalized: bool = False, rows: NDArray[np.intp] | None = None) -> int:
         """Append an array of shape (n, 3) that is mostly zero; returns the number of its accessor.
 
-        One that is all zero takes no bytes, and one accessor serves all of that length.
+        One that is all zero takes no bytes, and one accessor serves all of that length. ``rows`` are the rows to keep,
+        all that are not zero unless given; the same rows twice are written once.
         """
-        rows = np.flatnonzero(array.any(axis=1))
-        if len(rows) == 0 and len(array) in self._zeros:
-            return self._zeros[len(array)]
+        rows = np.flatnonzero(array.any(axis=1)) if rows is None else rows
+        kind = (len(array), array.dtype.name)
+        if len(rows) == 0 and kind in self._zeros:
+            return self._zeros[kind]
         accessor = self._accessor(array) | _bounds(array)
+        if normalized:
+            accessor["normalized"] = True
         if len(rows):
             index = rows.astype(np.uint16 if len(array) <= 65_535 else np.uint32)
+            raw = index.tobytes()
+            if raw not in self._rows:
+                self._rows[raw] = self.add_bytes(raw)
             accessor["sparse"] = {
                 "count": len(rows),
-                "indices": {
-                    "bufferView": self.add_bytes(index.tobytes()),
-                    "componentType": _COMPONENTS[index.dtype.name],
-                },
+                "indices": {"bufferView": self._rows[raw], "componentType": _COMPONENTS[index.dtype.name]},
                 "values": {"bufferView": self.add_bytes(np.ascontiguousarray(array[rows]).tobytes())},
             }
         self.accessors.append(accessor)
         if len(rows) == 0:
-            self._zeros[len(array)] = len(self.accessors) - 1
+            self._zeros[kind] = len(self.accessors) - 1
         return len(self.accessors) - 1
 
     def _accessor(self, array: NDArray[Any]) -> dict[str, Any]:
@@ -101,6 +125,40 @@ class GltfBuffer:
 def _bounds(array: NDArray[Any]) -> dict[str, Any]:
     columns = array.reshape(len(array), -1)
     return {"min": columns.min(axis=0).tolist(), "max": columns.max(axis=0).tolist()}
+
+
+class MeshoptBuffer(GltfBuffer):
+    """A `GltfBuffer` whose vertices and indices are compressed (``EXT_meshopt_compression``)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._whole = 0
+
+    @property
+    def buffers(self) -> list[dict[str, Any]]:
+        """The buffer that is there, and the one that it unpacks to."""
+        unpacked = {"byteLength": self._whole, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+        return [*super().buffers, unpacked]
+
+    def add_vertices(self, rows: NDArray[Any], target: int, stride: int | None = None) -> int:
+        """As that of `GltfBuffer`, packed."""
+        import meshopt
+
+        mode = "TRIANGLES" if target == ELEMENT_ARRAY_BUFFER else "ATTRIBUTES"
+        flat = rows.reshape(-1) if mode == "TRIANGLES" else rows.reshape(len(rows), -1)
+        packed = meshopt.encode_gltf_buffer(flat, mode)
+        width = flat.nbytes // len(flat)
+        number = self.add_bytes(packed, target, width if stride or mode == "ATTRIBUTES" else None)
+        view = self.views[number]
+        view["extensions"] = {
+            "EXT_meshopt_compression": {
+                "buffer": 0, "byteOffset": view["byteOffset"], "byteLength": len(packed),
+                "byteStride": width, "count": len(flat), "mode": mode,
+            }
+        }  # fmt: skip
+        view |= {"buffer": 1, "byteOffset": self._whole, "byteLength": flat.nbytes}
+        self._whole += flat.nbytes + -flat.nbytes % 4
+        return number
 
 
 def pack_glb(document: dict[str, Any], data: bytes) -> bytes:
