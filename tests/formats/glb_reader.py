@@ -9,7 +9,7 @@ import numpy as np
 import pygltflib
 from scipy.spatial.transform import Rotation
 
-COMPONENTS = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+COMPONENTS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
@@ -23,16 +23,27 @@ class Glb:
         kind, width = COMPONENTS[accessor.componentType], WIDTHS[accessor.type]
         values = np.zeros((accessor.count, width), kind)
         if accessor.bufferView is not None:
-            values[:] = self._raw(accessor.bufferView, kind).reshape(-1, width)
+            values[:] = self._raw(accessor.bufferView, kind, width)[: accessor.count]
         if accessor.sparse is not None:
-            rows = self._raw(accessor.sparse.indices.bufferView, COMPONENTS[accessor.sparse.indices.componentType])
-            values[rows] = self._raw(accessor.sparse.values.bufferView, kind).reshape(-1, width)
-        return values
+            rows = self._raw(accessor.sparse.indices.bufferView, COMPONENTS[accessor.sparse.indices.componentType], 1)
+            values[rows[:, 0]] = self._raw(accessor.sparse.values.bufferView, kind, width)
+        return values / np.iinfo(kind).max if accessor.normalized else values
 
-    def _raw(self, view: int, kind) -> np.ndarray:
+    def _raw(self, view: int, kind, width: int) -> np.ndarray:
+        """Rows of a view: packed ones by meshoptimizer's own decoder; padding between rows left out."""
         place = self.gltf.bufferViews[view]
-        start = place.byteOffset or 0
-        return np.frombuffer(self.blob[start : start + place.byteLength], kind)
+        start, packed = place.byteOffset or 0, (place.extensions or {}).get("EXT_meshopt_compression")
+        stride = place.byteStride or width * np.dtype(kind).itemsize
+        if packed:
+            import meshopt
+
+            content = self.blob[packed["byteOffset"] : packed["byteOffset"] + packed["byteLength"]]
+            rows = meshopt.decode_gltf_buffer(content, packed["count"], packed["byteStride"], packed["mode"])
+            content = np.ascontiguousarray(rows).tobytes()
+        else:
+            content = self.blob[start : start + place.byteLength]
+        rows = np.frombuffer(content[: len(content) // stride * stride], np.uint8).reshape(-1, stride)
+        return np.ascontiguousarray(rows[:, : width * np.dtype(kind).itemsize]).view(kind)
 
     def node(self, name: str) -> int:
         return next(i for i, node in enumerate(self.gltf.nodes) if node.name == name)
@@ -54,6 +65,8 @@ class Glb:
             local[:3, :3] = Rotation.from_quat(turn).as_matrix()
         if facts.translation is not None:
             local[:3, 3] = facts.translation
+        if facts.scale is not None:
+            local[:3, :3] *= facts.scale
         parent = next((i for i, other in enumerate(self.gltf.nodes) if node in (other.children or [])), None)
         return local if parent is None else self.world(parent, frame) @ local
 

@@ -15,8 +15,7 @@ from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.face.library import load_face
-from mien.formats.fap import COUNT, FapTrack, fap_table, read_fap, write_fap_track
-from mien.formats.fap_animation import fap_track, fap_units, write_fap
+from mien.formats.fap import COUNT, FapTrack, fap_table, fap_track, fap_units, read_fap, write_fap, write_fap_track
 from mien.formats.registry import save
 from tests.faces import tiny_animation, tiny_face
 

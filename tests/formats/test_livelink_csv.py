@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import mien
+from mien.api.calls import read_motion
 from mien.core.channels import ALL, ARKIT, HEAD
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
-from mien.formats.livelink_csv import COLUMNS, EYE_DEGREES, read_livelink, write_livelink
+from mien.formats.livelink import COLUMNS, EYE_DEGREES, read_livelink, write_livelink
 from tests.faces import tiny_animation
 
 HEADER = (
@@ -87,10 +89,27 @@ def test_the_inner_brows_fold_into_arkits_one(tmp_path):
     assert float(rows_of(tmp_path / "b.csv")[0]["BrowInnerUp"]) == 1.0
 
 
-def test_fractional_rate_is_said(tmp_path):
-    (note,) = write_livelink(posed(rate=29.97), tmp_path / "a.csv")
-    assert "29.97" in note.message
-    assert read_livelink(tmp_path / "a.csv", FrameRate.of(29.97))[0].rate == FrameRate.of(29.97)
+@pytest.mark.parametrize("fps", [29.97, 59.94, 23.976])
+def test_a_rate_of_television_comes_back_from_the_timecode_with_its_start(tmp_path, fps):
+    rate = FrameRate.of(fps)
+    animation = replace(tiny_animation(130, rate), timecode="11:54:00:19.804")
+    assert f"has {rate} frames per second" in write_livelink(animation, tmp_path / "a.csv")[-1].message
+    again = read_motion(tmp_path / "a.csv")
+    assert again.rate == rate
+    assert len(again.channels) == 130
+    assert again.timecode == "11:54:00:19.804"
+    write_livelink(again, tmp_path / "b.csv")
+    assert [line[:15] for line in (tmp_path / "b.csv").read_text().splitlines()] == [
+        line[:15] for line in (tmp_path / "a.csv").read_text().splitlines()
+    ]
+
+
+def test_a_recorded_start_goes_through_the_native_file_and_an_expression(tmp_path):
+    animation = replace(tiny_animation(40), timecode="01:02:03:04.500")
+    mien.save(animation, tmp_path / "a.json")
+    felt = mien.express(tmp_path / "a.json", emotion="happy")
+    mien.save(felt, tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text().splitlines()[1].startswith("01:02:03:04.500,61,")
 
 
 def test_recording_of_the_app(tmp_path):

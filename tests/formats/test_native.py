@@ -145,7 +145,7 @@ def test_sound_is_exact_at_every_rate(tmp_path, rate):
 def test_every_field_is_written():
     """A field added to one of these types needs a place in the schema: add it there, then here."""
     known = {
-        Animation: {"channels", "markers", "utterance", "score", "provenance", "notes", "edits"},
+        Animation: {"channels", "markers", "utterance", "score", "provenance", "notes", "edits", "timecode"},
         Utterance: {"text", "audio", "words", "phones", "language", "timing", "notes", "native", "shapes", "sung"},
         Score: {"emotions", "curves", "efforts"},
         ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},

@@ -125,7 +125,7 @@ def _read_picture(path: Path) -> None:
 
 
 def _livelink(folder: Path) -> list[Path]:
-    from mien.formats.livelink_csv import write_livelink
+    from mien.formats.livelink import write_livelink
 
     write_livelink(imported(_moved(), "x"), folder / "a.csv")
     text = (folder / "a.csv").read_text(encoding="utf-8")
@@ -150,7 +150,7 @@ def _layers(folder: Path) -> list[Path]:
 
 def _faps(folder: Path) -> list[Path]:
     from mien.face.library import load_face
-    from mien.formats.fap_animation import write_fap
+    from mien.formats.fap import write_fap
 
     write_fap(imported(_moved(frames=5), "x"), load_face(), folder / "a.fap")
     return [folder / "a.fap"]

@@ -49,6 +49,8 @@ class Animation:
     notes : tuple of Note
     edits : AppliedEdits or None
         The layer of edits that lies on it, and what was there before (``docs/edits.md``).
+    timecode : str
+        Of the first frame, ``HH:MM:SS:FF.mmm``, where the motion was recorded under one; else "".
     """
 
     channels: ChannelTrack
@@ -58,6 +60,7 @@ class Animation:
     provenance: Provenance
     notes: tuple[Note, ...] = ()
     edits: AppliedEdits | None = None
+    timecode: str = ""
     html_of: ClassVar[Callable[[Animation], str] | None] = None
     """What shows an animation in a notebook; the room that has faces and formats sets it (`mien.api.notebook`)."""
 
@@ -87,7 +90,7 @@ class Animation:
         return self.channels.rate
 
 
-def imported(channels: ChannelTrack, name: str, notes: tuple[Note, ...] = ()) -> Animation:
+def imported(channels: ChannelTrack, name: str, notes: tuple[Note, ...] = (), timecode: str = "") -> Animation:
     """Motion from elsewhere as an animation, over silence: what is said in it is not known.
 
     Parameters
@@ -98,10 +101,12 @@ def imported(channels: ChannelTrack, name: str, notes: tuple[Note, ...] = ()) ->
         Where it comes from.
     notes : tuple of Note
         What was said when it was read.
+    timecode : str
+        Of the first frame; "" if it has none.
     """
     seconds = len(channels) / channels.rate.fps
     pause = Tier("phones", (Interval(0.0, seconds, PAUSE),))
     silence = Utterance("", Audio.silence(seconds, 16_000), Tier("words", ()), pause, "und", "none")
     track = channels.select(ALL)
     origin = Provenance(f"imported from {name}", 0, version("mien"))
-    return Animation(track, None, silence, Score(), origin, notes)
+    return Animation(track, None, silence, Score(), origin, notes, timecode=timecode)

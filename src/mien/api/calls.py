@@ -266,10 +266,10 @@ def read_motion(motion: str | Path | Animation, fps: Rate | None = None) -> Anim
 
         return read_native(motion)
     if suffix == ".csv":
-        from mien.formats.livelink import read_livelink
+        from mien.formats.livelink import first_timecode, read_livelink
 
         track, notes = read_livelink(motion, FrameRate.of(fps) if fps is not None else None)
-        return imported(track, Path(motion).stem, notes)
+        return imported(track, Path(motion).stem, notes, first_timecode(motion))
     raise InputError(f"expected a native animation (.json) or a Live Link Face recording (.csv), got {motion}")
 
 

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from mien.cli.foreign_face import add_face_option
+from mien.cli.foreign_face import add_face_option, add_glb_options
 
 __all__ = ["add_command"]
 
@@ -30,9 +30,10 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     )
     express.add_argument("-o", "--output", metavar="OUT", required=True, help="file to write; its suffix says what")
     express.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
-    express.add_argument("--fps", help="frames per second of a .csv (default: read from its timecode)")
+    express.add_argument("--fps", help="frames per second (default: as they are; a .csv's are read from its timecode)")
     express.add_argument("--seed", type=int, default=0, help="seed of the expression (default 0)")
     add_face_option(express)
+    add_glb_options(express)
     express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
     express.add_argument("--quiet", action="store_true", help="say nothing but errors")
     express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")

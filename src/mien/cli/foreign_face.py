@@ -12,8 +12,9 @@ from mien.core.errors import InputError
 if TYPE_CHECKING:
     from mien.face.foreign.recognition import ForeignFace
     from mien.face.model import Face
+    from mien.formats.registry import GlbStyle
 
-__all__ = ["ShownFace", "add_face_option", "checked_foreign_face"]
+__all__ = ["ShownFace", "add_face_option", "add_glb_options", "checked_foreign_face", "glb_style"]
 
 ShownFace: TypeAlias = "str | Face | ForeignFace"
 """A face to show; by its name where it comes with mien and nothing has to be known of it yet."""
@@ -30,6 +31,35 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--names", metavar="X.toml", help="what the targets of such a face are, where mien does not know"
     )
+
+
+def add_glb_options(parser: argparse.ArgumentParser) -> None:
+    """Add how a ``.glb`` is written."""
+    style = parser.add_argument_group("of a .glb")
+    style.add_argument(
+        "--compact", action="store_true", help="ARKit's 52 targets alone, in whole numbers: under half the size"
+    )
+    style.add_argument(
+        "--meshopt", action="store_true", help="compact and compressed (EXT_meshopt_compression; not for Blender)"
+    )
+    style.add_argument("--clip", metavar="NAME", default="", help="name of the animation")
+
+
+def glb_style(options: argparse.Namespace) -> GlbStyle | None:
+    """What `add_glb_options` was given; None if nothing."""
+    from mien.formats.registry import GlbStyle
+
+    given = vars(options)
+    style = GlbStyle(given.get("compact", False), given.get("meshopt", False), given.get("clip", ""))
+    if style == GlbStyle():
+        return None
+    if not any(path.lower().endswith(".glb") for path in (options.output, *options.also)):
+        raise InputError("--compact, --meshopt and --clip are for a .glb, and none is written")
+    if style.meshopt:
+        from mien.formats.compact_glb import check_meshopt
+
+        check_meshopt()
+    return style
 
 
 def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, names: str | None) -> ForeignFace:

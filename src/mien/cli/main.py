@@ -34,7 +34,7 @@ from mien.cli import (
 )
 from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
-from mien.cli.foreign_face import ShownFace, add_face_option, checked_foreign_face
+from mien.cli.foreign_face import ShownFace, add_face_option, add_glb_options, checked_foreign_face, glb_style
 from mien.cli.help_page import help_page, options_of, with_suggestion
 from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
@@ -237,6 +237,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     add_face_option(parser)
+    add_glb_options(parser)
     _add_performer_options(parser)
     _add_language_option(parser)
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -357,6 +358,7 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     from mien.formats.registry import check_output
 
     outputs = [check_output(path) for path in (options.output, *options.also)]
+    glb_style(options)
     foreign = is_gltf(options.face)
     _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
     if foreign:
@@ -399,7 +401,7 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
             obey()
             show(done, total)
 
-        notes = api.save(animation, *outputs, face=face, progress=progress)
+        notes = api.save(animation, *outputs, face=face, progress=progress, glb=glb_style(options))
     _tell((*notes, *_unused(options, outputs)), options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration

@@ -170,17 +170,20 @@ class Tier:
         return Tier(self.name, tuple(Interval(i.start + seconds, i.end + seconds, i.label) for i in self.intervals))
 
 
-def timecode(frame: int, rate: FrameRate) -> str:
-    """Non-drop timecode HH:MM:SS:FF.mmm of a frame as Live Link Face writes it.
+def timecode(frame: int, rate: FrameRate, start: Fraction = Fraction(0)) -> str:
+    """Timecode HH:MM:SS:FF.mmm of a frame as Live Link Face writes it.
 
-    Frames are counted at the rate rounded up to whole frames per second; the part after the dot is 0, since a
-    frame stands exactly on its time.
+    ``FF`` counts ticks of the rate rounded up to whole frames per second, ``mmm`` is the part of a tick: frames of
+    29.97 come 1.001 ticks apart. ``start`` is the first frame's timecode in ticks since midnight.
 
     Examples
     --------
     >>> timecode(61, FrameRate.of(30))
     '00:00:02:01.000'
+    >>> timecode(2, FrameRate.of(59.94))
+    '00:00:00:02.002'
     """
     whole = math.ceil(rate.fraction)
-    seconds, part = divmod(frame, whole)
-    return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}:{part:02d}.000"
+    ticks, part = divmod(round(1000 * (start + frame * whole / rate.fraction)), 1000)
+    seconds, tick = divmod(ticks, whole)
+    return f"{seconds // 3600 % 24:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}:{tick:02d}.{part:03d}"

@@ -31,6 +31,7 @@ def drive_glb(
     source: str | Path | ForeignFace,
     path: str | Path,
     names: OwnNames | str | Path | None = None,
+    clip: str = NAME,
 ) -> tuple[Note, ...]:
     """Write a face again with the weights of a track, and its head and eyes turning, as the first of its animations.
 
@@ -45,6 +46,8 @@ def drive_glb(
         A ``.glb`` file.
     names : OwnNames or path-like, optional
         A table of the user's own (``docs/faces.md``).
+    clip : str
+        Name of the animation.
 
     Returns
     -------
@@ -64,7 +67,7 @@ def drive_glb(
     face.require_motion()
     keys = AppendedGlb(face.document)
     try:
-        notes = _add_animation(track, face, keys)
+        notes = _add_animation(track, face, keys, clip)
     except (KeyError, IndexError, TypeError, AttributeError, ValueError) as problem:
         raise InputError(f"{face.document.path}: its nodes do not hold together ({problem!r})") from problem
     content = keys.packed()
@@ -73,7 +76,7 @@ def drive_glb(
     return (*keys.notes, *notes)
 
 
-def _add_animation(track: ChannelTrack, face: ForeignFace, keys: AppendedGlb) -> tuple[Note, ...]:
+def _add_animation(track: ChannelTrack, face: ForeignFace, keys: AppendedGlb, clip: str) -> tuple[Note, ...]:
     document = keys.document
     keys.forget_animations(_ours)
     times = keys.add(track.rate.times(len(track)).astype(np.float32), "SCALAR", bounds=True)
@@ -97,11 +100,9 @@ def _add_animation(track: ChannelTrack, face: ForeignFace, keys: AppendedGlb) ->
     if not any(channel["target"]["path"] == "weights" for channel in channels):
         raise InputError(f"{face.document.path}: no node shows the meshes that could move")
     there = document.setdefault("animations", [])
-    there.insert(0, {"name": NAME, "channels": channels, "samplers": samplers})
+    there.insert(0, {"name": clip, "extras": {"mien": {}}, "channels": channels, "samplers": samplers})
     if len(there) > 1:
-        told = (
-            f"the file has {len(there) - 1} animation(s) of its own, kept; the performance is the first, named {NAME!r}"
-        )
+        told = f"the file has {len(there) - 1} animation(s) of its own, kept; the performance is first, named {clip!r}"
         notes = (*notes, Note("note", told))
     return notes
 

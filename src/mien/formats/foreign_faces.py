@@ -9,18 +9,23 @@ from mien.animation.animation import Animation
 from mien.core.errors import Note
 from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.recognition import ForeignFace
-from mien.formats.driven_glb import drive_glb
-from mien.formats.registry import Progress, save
+from mien.formats.driven_glb import NAME, drive_glb
+from mien.formats.registry import GlbStyle, Progress, save
 
 __all__ = ["save_on_foreign"]
 
 
 def save_on_foreign(
-    animation: Animation, target: Path, face: ForeignFace, progress: Progress | None
+    animation: Animation, target: Path, face: ForeignFace, progress: Progress | None, glb: GlbStyle | None = None
 ) -> tuple[Note, ...]:
     """Write one file, as `mien.formats.registry.save`, with a face of another maker."""
     if target.suffix.lower() == ".glb":
-        return drive_glb(animation.channels, face, target)
+        clip = glb.clip if glb is not None and glb.clip else NAME
+        notes = drive_glb(animation.channels, face, target, clip=clip)
+        if glb is not None and (glb.compact or glb.meshopt):
+            told = f"{target.name}: --compact is for mien's own face; yours is written as it is"
+            return (*notes, Note("warning", told))
+        return notes
     if target.suffix.lower() in (".mp4", ".png"):
         drawn = drawn_face(face)
         shown = replace(animation, channels=drawn.track(animation.channels))

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from mien.animation.animation import Animation
 from mien.core.channels import ARKIT, HEAD, MUSCLES, TONGUE
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
+from mien.core.tracks import ChannelTrack
 from mien.face.model import Eye, Face, Material, Part
 from mien.face.posing import eye_rotation, head_rotation
 from mien.formats.face_motion import TargetNormals, linear_light, lost_tree, playing_facts, quaternions
@@ -77,12 +79,19 @@ def write_glb(
     if len(animation.channels) == 0:
         raise InputError(f"cannot write {path}: the animation has no frames")
     from mien.formats.compact_glb import CompactBuilder
+    from mien.formats.livelink import arkit_weights, beyond_arkit
 
-    builder = CompactBuilder(face, clip, meshopt) if compact or meshopt else GlbBuilder(face, clip)
+    notes: tuple[Note, ...] = ()
+    builder = GlbBuilder(face, clip)
+    if compact or meshopt:
+        builder, track = CompactBuilder(face, clip, meshopt), animation.channels
+        notes = beyond_arkit(track, Path(path).name)
+        values = np.hstack([arkit_weights(track), track.select(HEAD).values])
+        animation = replace(animation, channels=ChannelTrack(ARKIT + HEAD, values, track.rate))
     content = builder.build(animation)
     with replace_when_complete(path) as unfinished:
         unfinished.write_bytes(content)
-    return lost_tree(animation, face, "a GLB")
+    return (*notes, *lost_tree(animation, face, "a GLB"))
 
 
 class GlbBuilder:

@@ -1,8 +1,12 @@
-"""Live Link Face's CSV: its columns, and reading what the app and others write; `mien.formats.livelink_csv` writes it.
+"""``.csv``: the columns of Epic's Live Link Face app, as Unreal, Blender, Maya and MotionBuilder importers read them.
 
-Time comes from the timecode: hours, minutes, seconds, ticks (and thousandths of a tick). From it follow the frame rate
-(29.97 and 59.94 too, drop-frame counting included) and the frames that are missing. It lies below the corpus, which
-reads it too.
+``docs/formats.md`` says where each fact about the format comes from. In short: a timecode ``HH:MM:SS:FF.mmm``, the
+number 61, the 52 ARKit weights with a capital first letter, then yaw, pitch and roll of head, left eye and right eye
+in radians about ARKit's axes of the face (x to the speaker's left, y up, z forward; right-handed):
+yaw > 0 turns to the speaker's left, pitch > 0 looks down, roll > 0 tips towards the speaker's right shoulder.
+
+When reading, time comes from the timecode: hours, minutes, seconds, ticks (and thousandths of a tick). From it follow
+the frame rate (29.97 and 59.94 too, drop-frame counting included) and the frames that are missing.
 """
 
 from __future__ import annotations
@@ -11,21 +15,27 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.animation.animation import Animation
 from mien.core.border import reading
-from mien.core.channels import ARKIT, HEAD
+from mien.core.channels import ARKIT, HEAD, MUSCLES
 from mien.core.errors import InputError, Note
+from mien.core.files import replace_when_complete
 from mien.core.limits import check_size
 from mien.core.tables import read_rows
-from mien.core.timeline import FrameRate
+from mien.core.timeline import FrameRate, timecode
 from mien.core.tracks import ChannelTrack
 
-__all__ = ["COLUMNS", "HEAD_SIGNS", "MOTION_COLUMNS", "read_livelink"]
+__all__ = [
+    "COLUMNS", "EYE_DEGREES", "HEAD_SIGNS", "MOTION_COLUMNS", "arkit_weights", "beyond_arkit", "first_timecode",
+    "livelink_motion", "read_livelink", "write_livelink",
+]  # fmt: skip
 
 _HEAD_COLUMNS = ("HeadYaw", "HeadPitch", "HeadRoll")
 _EYE_COLUMNS = tuple(f"{side}Eye{angle}" for side in ("Left", "Right") for angle in ("Yaw", "Pitch", "Roll"))
@@ -36,6 +46,12 @@ COLUMNS: tuple[str, ...] = ("Timecode", "BlendShapeCount", *MOTION_COLUMNS)
 """The header line."""
 HEAD_SIGNS = np.array([1.0, -1.0, -1.0])
 """mien's yaw, pitch, roll against the app's."""
+EYE_DEGREES: dict[str, float] = {"Up": 18.0, "Down": 35.0, "In": 28.0, "Out": 30.0}
+"""How far an eye turns at weight 1 of its eyeLook channels, degrees: down as the app's recordings have it, the others
+hand-made, since a CSV knows no face."""
+
+_INNER_BROWS = ("browInnerUpLeft", "browInnerUpRight")
+_SIDES_APART = 0.02
 
 _TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
 _PLAIN_NUMBER = re.compile(r"[-+]?\d{1,6}(?:\.\d{0,20})?", re.ASCII)
@@ -50,7 +66,7 @@ Floats = NDArray[np.float64]
 
 
 def read_livelink(path: str | Path, rate: FrameRate | None = None) -> tuple[ChannelTrack, tuple[Note, ...]]:
-    """Read a recording of Live Link Face, or a file of `mien.formats.livelink_csv.write_livelink`.
+    """Read a recording of Live Link Face, or a file of `write_livelink`.
 
     Columns may be separated by commas, semicolons (then numbers may have decimal commas) or tabs. Weights in percent
     and angles in degrees are recognised by their size. Frames that are missing by the timecode, or in which the app
@@ -334,3 +350,92 @@ def _filled(
     values = motion[seen][::-1][last]
     every = np.arange(int(places[-1]) + 1)
     return np.stack([np.interp(every, frames, column) for column in values.T], axis=1)
+
+
+# ------------------------------------------------------------------ writing
+
+
+def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
+    """Write the channels of an animation as a Live Link Face recording.
+
+    It begins at the animation's own timecode, where it has one. Numbers have eight decimals, as the app writes them.
+    Lines end in a line feed.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    track = animation.channels
+    values = livelink_motion(track)
+    rows, start = [",".join(COLUMNS)], _start(animation.timecode, track.rate)
+    for frame, row in enumerate(values):
+        numbers = ",".join(f"{round(number, 8) + 0.0:.8f}" for number in row)
+        rows.append(f"{timecode(frame, track.rate, start)},{len(MOTION_COLUMNS)},{numbers}")
+    with replace_when_complete(path) as unfinished:
+        unfinished.write_text("\n".join(rows) + "\n", encoding="utf-8", newline="\n")
+    notes = beyond_arkit(track, Path(path).name)
+    if track.rate.fraction.denominator == 1:
+        return notes
+    told = f"{Path(path).name} has {track.rate} frames per second: tell importers that count frames (docs/formats.md)"
+    return (*notes, Note("note", told))
+
+
+def _start(code: str, rate: FrameRate) -> Fraction:
+    """The timecode of the first frame as ticks since midnight."""
+    read = _code(code)
+    return Fraction(0) if read is None else read.seconds * math.ceil(rate.fraction) + Fraction(str(read.ticks))
+
+
+def first_timecode(path: str | Path) -> str:
+    """The timecode with which a recording begins; "" if it has none."""
+    with reading(Path(path), "a Live Link Face CSV"):
+        table = _table(Path(path))
+        first = table.rows[0][table.places[0]].strip() if table.rows and table.rows[0] else ""
+        return first if _code(first) is not None else ""
+
+
+def beyond_arkit(track: ChannelTrack, file: str) -> tuple[Note, ...]:
+    """Which channels beyond ARKit's 52 moved; the tongue moves in all speech, so it alone is worth no note."""
+    lost = [name for name in MUSCLES if name in track.names and name not in _INNER_BROWS]
+    moved = [name for name in lost if track.channel(name).any()]
+    apart = float(np.abs(np.subtract(*track.select(_INNER_BROWS).values.T)).max(initial=0.0))
+    notes = []
+    if apart > _SIDES_APART:
+        notes.append(
+            Note("note", f"{file} has one channel for both inner brows: sides up to {apart:.2f} apart are evened")
+        )
+    if moved:
+        notes.append(Note("note", f"{file} has ARKit's 52 channels and cannot hold {', '.join(moved)}"))
+    return tuple(notes)
+
+
+def livelink_motion(track: ChannelTrack) -> NDArray[np.float64]:
+    """The numbers of `MOTION_COLUMNS` for every frame, shape (frames, 61); missing channels are
+    zero.
+    """
+    angles = np.radians(track.select(HEAD).values) * HEAD_SIGNS
+    motion: NDArray[np.float64] = np.hstack([arkit_weights(track), angles, _eye_angles(track)])
+    return motion + 0.0  # no "-0.00000000"
+
+
+def arkit_weights(track: ChannelTrack) -> NDArray[np.float64]:
+    """ARKit's 52; its one raising of the inner brows takes the mean of what the two sides do besides."""
+    weights = track.select(ARKIT).values.copy()
+    column = ARKIT.index("browInnerUp")
+    weights[:, column] = np.clip(weights[:, column] + track.select(_INNER_BROWS).values.mean(axis=1), 0.0, 1.0)
+    return weights
+
+
+def _eye_angles(track: ChannelTrack) -> NDArray[np.float64]:
+    """Yaw, pitch and roll of both eyes from the eyeLook weights, radians, shape (frames, 6)."""
+
+    def look(direction: str, side: str) -> NDArray[np.float64]:
+        weight = track.select([f"eyeLook{direction}{side}"]).values[:, 0]
+        return np.asarray(weight * np.radians(EYE_DEGREES[direction]))
+
+    angles = []
+    for side, outward in (("Left", 1.0), ("Right", -1.0)):  # the left eye looks out towards +x, the right towards -x
+        angles += [outward * (look("Out", side) - look("In", side)), look("Down", side) - look("Up", side)]
+        angles += [np.zeros(len(track))]
+    return np.stack(angles, axis=1)

@@ -114,7 +114,7 @@ def _plain(animation: Animation) -> dict[str, Any]:
         },
         "markers": None if animation.markers is None else _plain_markers(animation.markers),
         "edits": None if animation.edits is None else _plain_edits(animation.edits),
-    }
+    } | ({"timecode": animation.timecode} if animation.timecode else {})
 
 
 def _plain_edits(edits: AppliedEdits) -> dict[str, Any]:
@@ -256,6 +256,7 @@ def _animation(root: _Node) -> Animation:
             ),
             notes=_notes(root.get("notes")),
             edits=_edits(root.get("edits"), root) if root.holds("edits") else None,
+            timecode=root.get("timecode").text() if root.holds("timecode") else "",
         )
     except InputError as problem:  # the types themselves refuse what does not hold together: say in which file
         if str(problem).startswith(str(root.path)):

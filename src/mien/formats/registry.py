@@ -15,10 +15,40 @@ from mien.core.files import check_writable
 from mien.core.plug_ins import plug_ins
 from mien.face.model import Face
 
-__all__ = ["EXPORTERS", "PLUG_INS", "Exporter", "Progress", "check_output", "exporters", "save", "shows_face"]
+__all__ = [
+    "EXPORTERS",
+    "PLUG_INS",
+    "Exporter",
+    "GlbStyle",
+    "Progress",
+    "check_output",
+    "exporters",
+    "save",
+    "shows_face",
+]
 
 PLUG_INS = "mien.formats"
 """The group of entry points by which other packages bring formats; each entry point names an `Exporter`."""
+
+
+@dataclass(frozen=True)
+class GlbStyle:
+    """How a ``.glb`` is written.
+
+    Attributes
+    ----------
+    compact : bool
+        mien's own face in whole numbers with ARKit's 52 targets alone (`mien.formats.compact_glb`).
+    meshopt : bool
+        Compact, and compressed besides, for players that know ``EXT_meshopt_compression``.
+    clip : str
+        Name of the animation; "" for ``performance`` on mien's own face, ``mien`` on others.
+    """
+
+    compact: bool = False
+    meshopt: bool = False
+    clip: str = ""
+
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all)."""
@@ -81,14 +111,21 @@ def _write_glb(animation: Animation, path: Path, face: Face | None, _: Progress 
     return write_glb(animation, _needed(face), path)
 
 
+def _styled_glb(animation: Animation, path: Path, face: Face | None, style: GlbStyle) -> tuple[Note, ...]:
+    from mien.formats.gltf import write_glb
+
+    clip = style.clip or "performance"
+    return write_glb(animation, _needed(face), path, compact=style.compact, meshopt=style.meshopt, clip=clip)
+
+
 def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
-    from mien.formats.livelink_csv import write_livelink
+    from mien.formats.livelink import write_livelink
 
     return write_livelink(animation, path)
 
 
 def _write_fap(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
-    from mien.formats.fap_animation import write_fap
+    from mien.formats.fap import write_fap
 
     return write_fap(animation, _needed(face), path)
 
@@ -290,7 +327,12 @@ def shows_face(path: str | Path) -> bool:
 
 
 def save(
-    animation: Animation, path: str | Path, *, face: Face | None = None, progress: Progress | None = None
+    animation: Animation,
+    path: str | Path,
+    *,
+    face: Face | None = None,
+    progress: Progress | None = None,
+    glb: GlbStyle | None = None,
 ) -> tuple[Note, ...]:
     """Write an animation to a file; the suffix picks the format (`exporters`).
 
@@ -303,6 +345,8 @@ def save(
         For the formats that show one; the default face otherwise.
     progress : callable, optional
         Called with (frames done, frames in all) while a video is made.
+    glb : GlbStyle, optional
+        How a ``.glb`` is written.
 
     Returns
     -------
@@ -317,4 +361,6 @@ def save(
         If the file cannot be written.
     """
     path = check_output(path)
+    if glb is not None and path.suffix.lower() == ".glb":
+        return _styled_glb(animation, path, face, glb)
     return _exporter(path).write(animation, path, face, progress)

@@ -12,6 +12,7 @@ from mien.face.model import Face
 
 if TYPE_CHECKING:
     from mien.face.foreign.recognition import ForeignFace
+    from mien.formats.registry import GlbStyle
 
 __all__ = ["save"]
 
@@ -24,6 +25,7 @@ def save(
     face: str | Path | Face | ForeignFace | None = "default",
     names: str | Path | None = None,
     progress: Progress | None = None,
+    glb: GlbStyle | None = None,
 ) -> tuple[Note, ...]:
     """Write an animation; the suffix of each path picks its format (``docs/formats.md``).
 
@@ -39,6 +41,8 @@ def save(
         A table of names of your own for such a face (``docs/faces.md``).
     progress : callable (done, total) or None
         Called while frames are drawn.
+    glb : GlbStyle or None
+        How a ``.glb`` is written: compact, compressed, the name of its animation.
 
     Returns
     -------
@@ -67,11 +71,15 @@ def save(
         if isinstance(face, ForeignFace):
             from mien.formats.foreign_faces import save_on_foreign
 
-            written = tuple(note for target in targets for note in save_on_foreign(animation, target, face, progress))
+            written = tuple(
+                note for target in targets for note in save_on_foreign(animation, target, face, progress, glb)
+            )
             return (*note_on_mouth(face), *written) if any(map(shows_face, targets)) else written
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
     if is_named_face(face) and not any(shows_face(target) for target in targets):
         face = None  # reading it takes longer than writing the file
     shown = load_face(face) if isinstance(face, (str, Path)) else face
-    return tuple(note for target in targets for note in save_one(animation, target, face=shown, progress=progress))
+    return tuple(
+        note for target in targets for note in save_one(animation, target, face=shown, progress=progress, glb=glb)
+    )

@@ -13,7 +13,7 @@ from mien.core.errors import InputError, OutputError
 from mien.core.limits import is_whole
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
-from mien.formats.livelink_csv import livelink_motion
+from mien.formats.livelink import livelink_motion
 from mien.serve.live.frames import Frame
 from mien.serve.live.livelink_packets import LiveLinkPacket, encode_livelink
 from mien.serve.live.vmc import VmcEncoder
