@@ -102,7 +102,8 @@ def test_two_writers_of_one_file_do_not_meet(tmp_path: Path) -> None:
 
 def test_of_two_commands_that_write_one_file_the_second_is_told(tmp_path: Path) -> None:
     path = tmp_path / "line.csv"
-    script = "import sys; from mien.core import files\nfiles.claim_outputs()\nfiles.check_writable(sys.argv[1])\n"
+    script = "import sys; from mien.core import files\nheld = files.claimed_outputs()\nheld.__enter__()\n"
+    script += "files.check_writable(sys.argv[1])\n"
     first = [sys.executable, "-c", script + "print('claimed', flush=True); input()", str(path)]
     second = [sys.executable, "-c", script + "print('free')", str(path)]
     with subprocess.Popen(first, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as running:

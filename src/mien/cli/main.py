@@ -40,7 +40,7 @@ from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.core.errors import InputError, MienError, Note
-from mien.core.files import claim_outputs
+from mien.core.files import claimed_outputs
 
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
@@ -98,9 +98,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # a terminal that cannot show a name must not end the work
     options = _parser().parse_args(arguments)
     stop_cleanly()
-    claim_outputs()
     try:
-        code: int = options.run(options)
+        with claimed_outputs():
+            code: int = options.run(options)
         sys.stdout.flush()
         _tell_of_lost_kernels(getattr(options, "quiet", False))
         return code

@@ -3,12 +3,11 @@
 What is written goes into a temporary file beside its target, to the disk, and only then takes the target's name. The
 temporary is locked while it is written: one that nobody holds was left by a program that was killed, and the next that
 writes the same file takes it over. A command claims its outputs when it first asks whether they can be written
-(`claim_outputs`), so that of two that write the same file the second is told at once.
+(`claimed_outputs`), so that of two that write the same file the second is told at once.
 """
 
 from __future__ import annotations
 
-import atexit
 import contextlib
 import errno
 import hashlib
@@ -21,7 +20,7 @@ from pathlib import Path
 
 from mien.core.errors import OutputError
 
-__all__ = ["check_writable", "claim_outputs", "held_alone", "replace_when_complete"]
+__all__ = ["check_writable", "claimed_outputs", "held_alone", "replace_when_complete"]
 
 _LONGEST_SUFFIX = 32
 """Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
@@ -32,10 +31,17 @@ _claims: dict[Path, tuple[Path, int]] | None = None
 """What this command claimed, with the lock files and the descriptors that hold them; None: nothing is claimed."""
 
 
-def claim_outputs() -> None:
-    """Claim from now on each file that `check_writable` is asked about, until it is written or the program ends."""
+@contextmanager
+def claimed_outputs() -> Iterator[None]:
+    """Claim each file that `check_writable` is asked about inside, until it is written or the block ends."""
     global _claims
     _claims = {}
+    try:
+        yield
+    finally:
+        for path in list(_claims):
+            _release(path)
+        _claims = None
 
 
 def check_writable(path: str | Path) -> Path:
@@ -185,14 +191,13 @@ def _claim(path: Path) -> None:
     if _claims is None or real in _claims:
         return
     user = os.getuid() if hasattr(os, "getuid") else 0
-    folder = Path(tempfile.gettempdir()) / f"mien-{user}"
-    lock = folder / hashlib.sha256(os.fsencode(real)).hexdigest()[:24]
     try:
+        folder = Path(tempfile.gettempdir()) / f"mien-{user}"
+        lock = folder / hashlib.sha256(os.fsencode(real)).hexdigest()[:24]
         folder.mkdir(mode=0o700, exist_ok=True)
         if folder.lstat().st_uid != user:
             return
         if not _claims:
-            atexit.register(_release_all)
             _sweep(folder)
         handle = _locked(lock)
     except BlockingIOError as problem:
@@ -220,11 +225,6 @@ def _release(path: Path) -> None:
         with contextlib.suppress(OSError):
             claim[0].unlink()
         os.close(claim[1])
-
-
-def _release_all() -> None:
-    for path in list(_claims or ()):
-        _release(path)
 
 
 def _temporary(path: Path) -> tuple[Path, int]:
