@@ -4,6 +4,8 @@
 # make sheets the pictures in docs/
 # make mutants  a sample of changed lines: does a test notice?
 # make fuzz   damaged files for every reader, MINUTES=60; what breaks is kept in fuzz-faults/
+# make soak   ordinary and hostile clients at the studio and the live stream, SOAK_MINUTES=20; memory is printed
+# make kills  long commands killed at random moments go on to the same bits, ROUNDS=10
 # make lock   requirements/ made again, after a change of pyproject.toml or constraints.txt
 # make site   the documentation as a site, in site/
 # make page   the studio's page, built from studio/ and viewer/ into src/mien/assets/studio (wants Node)
@@ -26,7 +28,7 @@ studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci
 	cp $< $@
 
-.PHONY: site setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz lock clean
+.PHONY: site setup-festival setup-blender blender demo test test-quick slow-tests mutants check format wheel sheets page fuzz soak kills lock clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -116,6 +118,14 @@ clean:
 	rm -rf $(VENV) .venv-blender $(DEMO) build dist
 
 MINUTES ?= 60
+SOAK_MINUTES ?= 20
+ROUNDS ?= 10
+soak: $(VENV)/.dev
+	$(BIN)/python -m tools.soak --minutes $(SOAK_MINUTES)
+
+kills: $(VENV)/.dev
+	$(BIN)/python -m tools.kills --rounds $(ROUNDS)
+
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m tools.fuzz --minutes $(MINUTES)
 

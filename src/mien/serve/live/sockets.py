@@ -24,7 +24,8 @@ __all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "websocket_stream"]
 MOST_CLIENTS = 64
 """Clients at once; one more is turned away."""
 PATIENCE = 5.0
-"""Seconds after which a client that takes nothing is cut off."""
+"""Seconds after which a client that takes nothing is cut off. The system's own buffers hold a minute of frames: only a
+client that answers is known to read."""
 _LARGEST_MESSAGE = 1024  # bytes: clients have nothing to say
 _SEND_BUFFER = 16384  # bytes: past this a client counts as slow
 
@@ -101,6 +102,8 @@ async def websocket_stream(hub: Hub, greeting: Greeting, access: Access) -> Asyn
             compression=None,
             open_timeout=PATIENCE,
             close_timeout=1,
+            ping_interval=PATIENCE / 5,
+            ping_timeout=PATIENCE * 3 / 5,
         )
     except OSError as problem:
         raise OutputError(f"cannot listen on {access.host}:{access.port}: {problem.strerror or problem}") from problem

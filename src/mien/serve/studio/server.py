@@ -8,6 +8,7 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 
 from aiohttp import web
+from aiohttp.http_exceptions import HttpProcessingError
 
 from mien.core.errors import MienError, OutputError
 from mien.serve.studio.access import HEADERS, Gate
@@ -86,6 +87,11 @@ def _closing(answer: web.Response) -> web.Response:
     return answer
 
 
+def _is_ours(record: logging.LogRecord) -> bool:
+    """Whether a fault is the studio's, not that of a request which cannot be read."""
+    return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError | ConnectionError))
+
+
 @contextlib.asynccontextmanager
 async def running_studio(settings: StudioSettings, workshop: Workshop) -> AsyncIterator[int]:
     """Serve while the context lasts; gives the port.
@@ -96,6 +102,7 @@ async def running_studio(settings: StudioSettings, workshop: Workshop) -> AsyncI
         If the address cannot be bound to.
     """
     app = application(settings, workshop)
+    logging.getLogger("aiohttp.server").addFilter(_is_ours)  # what strangers send in wrong is answered, not told here
     runner = web.AppRunner(app, access_log=None, keepalive_timeout=30, shutdown_timeout=1, auto_decompress=False)
     await runner.setup()
     server, watch, loop = runner.server, app[WATCH], asyncio.get_running_loop()
