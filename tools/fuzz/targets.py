@@ -6,6 +6,7 @@ A target reads one file. What it raises on purpose is a `MienError`; anything el
 from __future__ import annotations
 
 import io
+import json
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -122,6 +123,12 @@ def _read_picture(path: Path) -> None:
     from mien.fit.mesh_files import read_picture
 
     read_picture(path)
+
+
+def _beat(folder: Path) -> list[Path]:
+    frames = [{"weights": [k / 9, 0.5], "time": k / 60, "rotation": []} for k in range(10)]
+    (folder / "a.json").write_text(json.dumps({"names": ["browDownLeft", "jawOpen"], "frames": frames}))
+    return [folder / "a.json"]
 
 
 def _livelink(folder: Path) -> list[Path]:
@@ -423,6 +430,7 @@ TARGETS: tuple[Target, ...] = (
     Target("native", ".json", _call("mien.formats.native", "read_native"), _native),
     Target("layer", ".json", _call("mien.animation.edits.layer_file", "read_layer"), _layers),
     Target("fap", ".fap", _call("mien.formats.fap", "read_fap"), _faps),
+    Target("beat recording", ".json", _recording("beat"), _beat),
     Target("marker table", ".csv", _recording("tracks"), _marker_tables),
     Target("marker archive", ".npz", _recording("tracks"), _marker_archives),
     Target("c3d", ".c3d", _recording("c3d"), _c3d),

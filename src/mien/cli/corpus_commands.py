@@ -95,6 +95,9 @@ def _import(options: argparse.Namespace) -> int:
         kept = f", {len(report.kept)} were there" if report.kept else ""
         broken = f", {len(report.failed)} could not be used" if report.failed else ""
         print(f"{options.output}: {len(report.corpus)} takes ({len(report.imported)} new{kept}{broken})")
+        for what in ("licence", "citation"):
+            if report.corpus.about.get(what):
+                print(f"{what}: {report.corpus.about[what]}")
     return 0 if len(report.corpus) else 2
 
 

@@ -17,6 +17,7 @@ from mien.core.errors import InputError, MienError, Note, OutputError
 from mien.core.files import held_alone, replace_when_complete
 from mien.corpus.capturing import capture_corpus
 from mien.corpus.cheap_checks import cheap_faults
+from mien.corpus.file_layout import located
 from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
 from mien.corpus.import_preparation import Job, prepare_and_write
 from mien.corpus.readers import Found, detect, reader_named
@@ -117,7 +118,9 @@ def import_corpus(
     if not found:
         raise InputError(f"{source}: expected {reader.about}, found none")
     reader.needs()
+    found, passed_over = located(found, source, chosen)
     takes, notes, failed = named(found, source)
+    notes += passed_over
     table = table if table is not None else own_table(source)
     said, more = read_table(Path(table)) if table is not None else ({}, ())
     facts, strangers = facts_of(takes, chosen, said)

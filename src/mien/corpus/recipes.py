@@ -58,6 +58,15 @@ class Recipe:
         Emotion by the code that the pattern or the table gives.
     rename : mapping of str to str
         Marker of the layout by its name in the file.
+    paths, example : str
+        Regular expression held against the path of each recording under the source, without suffix; its named groups
+        make the take's name (``-`` between), to which ``pattern`` is held. Others are passed over. A path that fits.
+    sound, transcript : str
+        Where they lie if not beside the recording: a path under the source with groups of ``paths`` in braces.
+    texts : mapping of str to str
+        What is said, by the code of the sentence.
+    spelled : sequence of mapping of str to str
+        What is said, where each letter of the sentence's code is a word: words by letter, place by place.
     pronunciations : mapping of str to sequence of str
         Words that these speakers say in a way of their own: ARPAbet phones, separated by blanks.
     """
@@ -79,6 +88,12 @@ class Recipe:
     speaker: str = ""
     language: str = "en-US"
     pattern: str = ""
+    paths: str = ""
+    example: str = ""
+    sound: str = ""
+    transcript: str = ""
+    texts: Mapping[str, str] = field(default_factory=dict)
+    spelled: Sequence[Mapping[str, str]] = ()
     emotions: Mapping[str, str] = field(default_factory=dict)
     rename: Mapping[str, str] = field(default_factory=dict)
     pronunciations: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -97,6 +112,8 @@ class Recipe:
             )
         if self.pattern:
             _check_pattern(self.pattern)
+        if self.paths:
+            _compiled("pattern of paths", self.paths)
 
     def with_changes(self, **changes: Any) -> Recipe:
         """The same recipe with some fields replaced; None leaves a field as it is."""
@@ -121,9 +138,25 @@ class Recipe:
         match = re.fullmatch(self.pattern, name)
         if match is None:
             raise InputError(f"{name}: does not fit the name pattern {self.pattern!r}; mend the pattern or the name")
-        return {
+        said = {
             key: self.emotion_of(value) if key == "emotion" else value for key, value in match.groupdict("").items()
         }
+        text = self.text_of(said.get("sentence", ""))
+        return said | {"text": text} if text and not said.get("text") else said
+
+    def text_of(self, sentence: str) -> str:
+        """What a sentence's code stands for; empty if the recipe does not say.
+
+        Examples
+        --------
+        >>> Recipe("mine", "", "video", spelled=({"b": "bin", "l": "lay"}, {"b": "blue"})).text_of("lb")
+        'lay blue'
+        """
+        if sentence in self.texts:
+            return self.texts[sentence]
+        if len(sentence) != len(self.spelled):
+            return ""
+        return " ".join(words.get(letter, letter) for letter, words in zip(sentence, self.spelled, strict=True))
 
     def emotion_of(self, code: str) -> str:
         """The emotion that a code stands for; a code without an entry is the emotion itself."""
@@ -134,11 +167,15 @@ class Recipe:
         return hashlib.sha256(repr(sorted(asdict(self).items())).encode()).hexdigest()[:12]
 
 
-def _check_pattern(pattern: str) -> None:
+def _compiled(what: str, pattern: str) -> Mapping[str, int]:
     try:
-        groups = re.compile(pattern).groupindex
+        return re.compile(pattern).groupindex
     except re.error as problem:
-        raise InputError(f"the name pattern {pattern!r} is no regular expression: {problem}") from problem
+        raise InputError(f"the {what} {pattern!r} is no regular expression: {problem}") from problem
+
+
+def _check_pattern(pattern: str) -> None:
+    groups = _compiled("name pattern", pattern)
     if not groups:
         raise InputError(
             f"the name pattern {pattern!r} has no named group; give (?P<emotion>...) or another of {FIELDS}"
@@ -153,8 +190,9 @@ def known_recipes() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> known_recipes()
-    ('c3d', 'grid', 'livelink', 'tracks', 'video')
+    >>> known_recipes()  # doctest: +NORMALIZE_WHITESPACE
+    ('beat', 'c3d', 'cremad', 'grid', 'grid-speakers', 'livelink', 'lombard-grid', 'mead', 'ravdess', 'savee',
+     'tcd-timit', 'tracks', 'video')
     """
     return tuple(assets_in("recipes"))
 

@@ -6,6 +6,9 @@ from pathlib import Path
 
 from mien.core.errors import InputError, unknown_name
 from mien.corpus.readers import (
+    beat_recordings as beat,
+)
+from mien.corpus.readers import (
     c3d_recordings as c3d,
 )
 from mien.corpus.readers import (
@@ -24,7 +27,7 @@ from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 
 __all__ = ["READERS", "Found", "Raw", "Reader", "detect", "reader_named"]
 
-READERS: tuple[Reader, ...] = (grid.READER, c3d.READER, livelink.READER, tracks.READER, video.READER)
+READERS: tuple[Reader, ...] = (grid.READER, beat.READER, c3d.READER, livelink.READER, tracks.READER, video.READER)
 """In the order in which a source is held against them."""
 
 

@@ -12,7 +12,7 @@ from mien.corpus.readers.raw_recordings import Found
 __all__ = ["SOUND", "TRANSCRIPTS", "VIDEO", "Beside", "found_by_suffix", "has_suffix", "listed"]
 
 SOUND = (".wav", ".flac", ".ogg", ".aiff", ".aif", ".mp3", ".m4a")
-VIDEO = (".mp4", ".mov", ".mkv", ".avi", ".mpg", ".mpeg", ".webm", ".m4v", ".mts")
+VIDEO = (".mp4", ".mov", ".mkv", ".avi", ".mpg", ".mpeg", ".webm", ".m4v", ".mts", ".flv")
 TRANSCRIPTS = (".textgrid", ".align", ".lab", ".txt")
 """Best first: if a recording has several, the first kind is taken."""
 
