@@ -6,7 +6,18 @@ import { defineConfig } from 'vitest/config';
 const at = (path: string): string => fileURLToPath(new URL(path, import.meta.url));
 const server = process.env['MIEN_STUDIO'] ?? 'http://127.0.0.1:8766';
 
+/** three.js brings decoders of Draco for other files than glTF: they stay out of the package. */
+const withoutOtherDecoders = {
+  name: 'without-other-decoders',
+  generateBundle(_: unknown, bundle: Record<string, { type: string; originalFileNames?: string[] }>): void {
+    for (const [name, { originalFileNames = [] }] of Object.entries(bundle)) {
+      if (originalFileNames.some((file) => /libs\/draco\/draco_/.test(file))) delete bundle[name];
+    }
+  },
+};
+
 export default defineConfig({
+  plugins: [withoutOtherDecoders],
   base: './',
   publicDir: false,
   resolve: {

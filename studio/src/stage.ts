@@ -6,9 +6,8 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
-import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
-import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality, type View } from './looks';
+import { readFace } from './loaders';
 import { takeOver, type SparseMorphs } from './sparse_morphs';
 import { FrameTimes } from './frame_times';
 
@@ -67,7 +66,7 @@ export class Stage {
 
   /** Shows a GLB as the face; `recipes` say what drives its targets, where mien has found it out. */
   async show(glb: ArrayBuffer, recipes?: Readonly<Record<string, Recipe>>): Promise<FaceRig> {
-    const { scene } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).parseAsync(glb, '');
+    const { scene } = await readFace(glb, this.renderer);
     const rig = new FaceRig(scene, recipes === undefined ? {} : { recipes });
     const meshes: Mesh[] = [];
     scene.traverse((part) => { if ((part as Mesh).isMesh) meshes.push(part as Mesh); });

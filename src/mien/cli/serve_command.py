@@ -20,7 +20,7 @@ def add_command(commands: Any) -> None:
     serve.add_argument("animation", metavar="LINE.json", help="a native animation: mien say ... -o LINE.json")
     add_outlet_options(serve)
     serve.add_argument("--loop", action="store_true", help="begin again at the end, until stopped")
-    serve.add_argument("--wait", action="store_true", help="begin when the first WebSocket client comes")
+    serve.add_argument("--wait", action="store_true", help="begin when a client has come, or an engine listens")
     serve.add_argument("--quiet", action="store_true", help="say nothing but errors")
     serve.set_defaults(run=_serve)
 
@@ -34,7 +34,10 @@ def add_outlet_options(parser: argparse.ArgumentParser) -> None:
         "--origin", action="append", default=[], help="origin of a web page that may connect (repeatable)"
     )
     parser.add_argument("--vmc", metavar="HOST[:PORT]", help="also send VMC packets there (usual port 39539)")
-    parser.add_argument("--vmc-shapes", default="arkit", help="names of the shapes in them: arkit or vrm")
+    parser.add_argument("--vmc-shapes", default="arkit", help="names of the shapes in them: arkit, vrm or vrm1")
+    parser.add_argument(
+        "--vmc-head", default="0,0.09,0.01", metavar="X,Y,Z", help="rest of the head bone on its neck, metres; or off"
+    )
     parser.add_argument("--livelink", metavar="HOST[:PORT]", help="also send Live Link Face packets (usual port 11111)")
     parser.add_argument("--subject", default="mien", help="name that Live Link shows (default mien)")
     parser.add_argument("--no-websocket", action="store_true", help="packets only")
@@ -77,7 +80,9 @@ def outlets_of(options: argparse.Namespace, names: Sequence[str], rate: FrameRat
 
     packets = []
     if options.vmc is not None:
-        packets.append((parse_address(options.vmc, VMC_PORT), vmc_encoder(names, options.vmc_shapes)))
+        packets.append(
+            (parse_address(options.vmc, VMC_PORT), vmc_encoder(names, options.vmc_shapes, _rest(options.vmc_head)))
+        )
     if options.livelink is not None:
         address = parse_address(options.livelink, LIVELINK_PORT)
         packets.append((address, livelink_encoder(names, rate, options.subject)))
@@ -86,6 +91,19 @@ def outlets_of(options: argparse.Namespace, names: Sequence[str], rate: FrameRat
         return Outlets(Access(options.host, port, options.token, tuple(options.origin)), packets)
     if not packets and not recorded:
         raise InputError("--no-websocket leaves nothing to stream to: give --vmc or --livelink")
-    if options.wait or options.port is not None or options.token is not None:
-        raise InputError("--wait, --port and --token belong to the WebSocket, which --no-websocket leaves out")
+    if options.port is not None or options.token is not None:
+        raise InputError("--port and --token belong to the WebSocket, which --no-websocket leaves out")
     return Outlets(None, packets)
+
+
+def _rest(asked: str) -> tuple[float, float, float] | None:
+    """Where the head bone rests; None: bones are not sent."""
+    from mien.core.errors import InputError
+
+    if asked.strip().lower() == "off":
+        return None
+    try:
+        x, y, z = (float(part) for part in asked.split(","))
+    except ValueError as problem:
+        raise InputError(f"--vmc-head is X,Y,Z in metres (such as 0,0.09,0.01) or off, not {asked[:40]!r}") from problem
+    return x, y, z

@@ -40,6 +40,7 @@ def test_gaps_at_ten_listeners_are_those_of_the_clock_whoever_else_is_there() ->
         async def come_late() -> None:
             listener = hub.join()
             while (got := await listener.get()) is not None:
+                assert isinstance(got, Frame)
                 late.append(got.number)
 
         never = hub.join()

@@ -264,13 +264,20 @@ def test_clients_hear_a_live_stream_from_whenever_they_come() -> None:
         numbers = []
         async with connect(f"ws://127.0.0.1:{await opened}") as client:
             greeting = json.loads(await client.recv())
+            assert json.loads(await client.recv())["event"] == "began"
             while isinstance(message := await client.recv(), bytes):
                 numbers.append(decode_frame(message).number)
         await playing
         return greeting, numbers, str(message)
 
     greeting, numbers, last = asyncio.run(watch())
-    assert greeting["facts"] == {"live": True, "source": "second", "look_ahead": 0.15, "performer": "nobody"}
+    assert greeting["facts"] == {
+        "live": True,
+        "source": "second",
+        "look_ahead": 0.15,
+        "performer": "nobody",
+        "began": None,
+    }
     assert numbers == sorted(set(numbers))
     assert last == END
 

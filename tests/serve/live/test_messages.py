@@ -10,13 +10,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pylivelinkface import FaceBlendShape, PyLiveLinkFace
+from pythonosc.osc_bundle import OscBundle
 
 from mien.core import channels
 from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
+from mien.serve.live.datagrams import livelink_encoder
 from mien.serve.live.frames import Frame, Greeting, decode_frame, encode_frame
 from mien.serve.live.livelink_packets import LiveLinkPacket, decode_livelink, encode_livelink
 from mien.serve.live.osc import decode_packet, encode_bundle, encode_message
-from mien.serve.live.vmc import VmcEncoder
+from mien.serve.live.vmc import HEAD_REST, VmcEncoder
 
 
 def frame(**given_channels: float) -> Frame:
@@ -96,7 +100,32 @@ def test_vmc_presets_for_avatars_without_arkit_shapes() -> None:
         )
         if address.endswith("Val")
     )
-    assert sent == pytest.approx({"A": 0, "I": 0, "U": 0.9, "E": 0, "O": 0, "Blink_L": 1, "Blink_R": 0})
+    moods = {"Joy": 0, "Angry": 0, "Sorrow": 0, "Fun": 0, "Surprised": 0}
+    assert sent == pytest.approx({"A": 0, "I": 0, "U": 0.9, "E": 0, "O": 0, "Blink_L": 1, "Blink_R": 0, **moods})
+
+
+def test_python_osc_reads_vrm_1_names_and_the_resting_head() -> None:
+    values = frame(browDownLeft=1.0, browDownRight=1.0, noseSneerLeft=0.5, headYaw=60.0)
+    bundle = OscBundle(VmcEncoder(channels.ALL, "vrm1", (0.0, 0.1, 0.0)).encode(values))
+    messages = [(bundle.content(place).address, bundle.content(place).params) for place in range(bundle.num_contents)]
+    sent = dict(params for address, params in messages if address == "/VMC/Ext/Blend/Val")
+    assert sent["angry"] == pytest.approx(1.0)
+    assert (sent["happy"], sent["aa"]) == (0.0, 0.0)
+    address, (bone, *numbers) = messages[-1]
+    assert (address, bone) == ("/VMC/Ext/Bone/Pos", "Head")
+    assert numbers == pytest.approx([0.0, 0.1, 0.0, 0.0, -0.5, 0.0, np.sqrt(0.75)], abs=1e-6)
+    bare = OscBundle(VmcEncoder(channels.ALL, "vrm1", None).encode(values))
+    assert bare.content(bare.num_contents - 1).address == "/VMC/Ext/Blend/Apply"
+
+
+def test_py_livelink_face_reads_the_timecode_of_the_clock() -> None:
+    encode = livelink_encoder(channels.ALL, FrameRate.of(60), "mien")
+    values = frame(jawOpen=0.5, headPitch=10.0)
+    known, face = PyLiveLinkFace.decode(encode(Frame(3, 0.05, values.values, 3600.0)))
+    assert known
+    assert face._frames == 216_000
+    assert face.get_blendshape(FaceBlendShape.JawOpen) == pytest.approx(0.5)
+    assert face.get_blendshape(FaceBlendShape.HeadPitch) == pytest.approx(-np.radians(10.0), abs=1e-6)  # up is negative
 
 
 @pytest.mark.parametrize(
@@ -107,7 +136,8 @@ def test_vmc_presets_for_avatars_without_arkit_shapes() -> None:
 )
 def test_the_head_turns_in_unitys_axes(channel: str, axis: tuple[float, float, float]) -> None:
     address, arguments = decode_packet(VmcEncoder(channels.ALL).encode(frame(**{channel: 60.0})))[-1]
-    assert (address, arguments[:4]) == ("/VMC/Ext/Bone/Pos", ("Head", 0.0, 0.0, 0.0))
+    assert (address, arguments[0]) == ("/VMC/Ext/Bone/Pos", "Head")
+    assert arguments[1:4] == pytest.approx(HEAD_REST)
     assert arguments[4:] == pytest.approx((*(0.5 * part for part in axis), np.sqrt(0.75)), abs=1e-6)
 
 

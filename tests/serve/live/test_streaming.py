@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import io
 import json
 import socket
+import time
+import wave
 from collections.abc import AsyncIterator
 from dataclasses import replace
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -44,8 +48,9 @@ async def open_stream(hub: Hub, access: Access | None = None) -> AsyncIterator[s
 
 async def read_all(client: ClientConnection) -> tuple[Greeting, list[Frame], str]:
     greeting, frames = Greeting.decode(str(await client.recv())), []
-    while isinstance(message := await client.recv(), bytes):
-        frames.append(decode_frame(message))
+    while (message := await client.recv()) != END:
+        if isinstance(message, bytes):
+            frames.append(decode_frame(message))
     return greeting, frames, message
 
 
@@ -191,6 +196,53 @@ def test_engines_get_packets() -> None:
     assert packet.numbers[17] == pytest.approx(animation.channels.channel("jawOpen")[0], abs=1e-6)
 
 
+def test_the_sound_and_the_moment_of_frame_0_are_told() -> None:
+    animation = short_animation(5)
+
+    async def watch() -> tuple[Greeting, str, bytes, float]:
+        opened: asyncio.Future[int | None] = asyncio.get_running_loop().create_future()
+        playing = asyncio.create_task(stream(animation, Outlets(Access(port=0)), wait=True, opened=opened.set_result))
+        port = await opened
+        sound = await asyncio.to_thread(lambda: urlopen(f"http://127.0.0.1:{port}/sound.wav").read())
+        async with connect(f"ws://127.0.0.1:{port}") as client:
+            greeting = Greeting.decode(str(await client.recv()))
+            event = str(await client.recv())
+            await client.recv()
+            first = time.time()
+            await playing
+        return greeting, event, sound, first
+
+    greeting, event, sound, first = asyncio.run(watch())
+    assert (greeting.facts["sound"], greeting.facts["began"]) == ("/sound.wav", None)
+    began = json.loads(event)
+    assert began["event"] == "began"
+    assert abs(first - began["at"]) < 2.0
+    with wave.open(io.BytesIO(sound)) as read:
+        assert read.getnframes() == len(animation.utterance.audio)
+
+
+def test_waiting_for_an_engine_loses_no_frame() -> None:
+    animation = short_animation(5)
+
+    async def receive() -> list[bytes]:
+        inbox = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        inbox.bind(("127.0.0.1", 0))
+        address = inbox.getsockname()
+        inbox.close()
+        packets = ((address, livelink_encoder(animation.channels.names, animation.rate, "mien")),)
+        playing = asyncio.create_task(stream(animation, Outlets(None, packets), wait=True))
+        await asyncio.sleep(0.4)
+        assert not playing.done(), "it began though nobody listened"
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
+            inbox.bind(address)
+            inbox.settimeout(5)
+            played = await playing
+            return [inbox.recv(65536) for _ in range(played.frames)]
+
+    numbers = [decode_livelink(packet).frame for packet in asyncio.run(receive())]
+    assert len(numbers) >= 5
+
+
 def test_an_engine_that_is_not_there_yet_is_no_fault() -> None:
     async def send() -> None:
         closed = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -199,7 +251,7 @@ def test_an_engine_that_is_not_there_yet_is_no_fault() -> None:
         closed.close()
         async with datagrams(address) as put:
             for _ in range(5):
-                put(b"x")
+                put.send(b"x")
                 await asyncio.sleep(0.01)
 
     asyncio.run(send())
@@ -215,6 +267,7 @@ def test_a_loop_goes_on_in_number_and_time() -> None:
         )
         async with connect(f"ws://127.0.0.1:{await opened}") as client:
             await client.recv()
+            await client.recv()  # when frame 0 stands
             frames = [decode_frame(bytes(await client.recv(decode=False))) for _ in range(8)]
         playing.cancel()
         with contextlib.suppress(asyncio.CancelledError):

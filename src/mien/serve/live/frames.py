@@ -14,7 +14,8 @@ Every frame is one binary message, little-endian::
     8       float64           seconds of the stream at which the frame stands
     16      float32 * n       the channels, in the order of the greeting
 
-A message in text after the greeting is an event, ``{"event": "end"}`` being the last.
+A message in text after the greeting is an event: ``{"event": "began", "at": ...}`` tells the moment of frame 0 (seconds
+since 1970) to whom the greeting could not, ``{"event": "end"}`` is the last.
 """
 
 from __future__ import annotations
@@ -51,11 +52,14 @@ class Frame:
         Seconds of the stream.
     values : ndarray, shape (channels,)
         In the order of the greeting's channels; units as in `mien.core.channels`.
+    clock : float or None
+        Seconds of this machine's day at which it stands: for the timecode of engines.
     """
 
     number: int
     time: float
     values: NDArray[np.float64]
+    clock: float | None = None
 
 
 @dataclass(frozen=True)
@@ -74,10 +78,10 @@ class Greeting:
     fps: float
     facts: Mapping[str, Any] = field(default_factory=dict)
 
-    def encode(self) -> str:
-        """The message, in text."""
+    def encode(self, began: float | None = None) -> str:
+        """The message, in text; ``began`` is the moment of frame 0, seconds since 1970, if it is known."""
         content = {"format": FORMAT, "version": VERSION, "channels": self.channels, "fps": self.fps}
-        return json.dumps({**content, "facts": dict(self.facts)}, ensure_ascii=False)
+        return json.dumps({**content, "facts": {**self.facts, "began": began}}, ensure_ascii=False)
 
     @classmethod
     def decode(cls, message: str) -> Greeting:

@@ -7,6 +7,7 @@ newest; `Listener.skipped` counts them, and the frame numbers show the gap.
 from __future__ import annotations
 
 import asyncio
+import json
 from collections import deque
 
 from mien.serve.live.frames import Frame
@@ -27,7 +28,7 @@ class Listener:
     """
 
     def __init__(self, size: int = QUEUE) -> None:
-        self._waiting: deque[Frame] = deque(maxlen=size)
+        self._waiting: deque[Frame | str] = deque(maxlen=size)
         self._news = asyncio.Event()
         self._ended = False
         self.skipped = 0
@@ -35,8 +36,8 @@ class Listener:
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def put(self, frame: Frame) -> None:
-        """Add a frame; with a full queue the oldest one is lost."""
+    def put(self, frame: Frame | str) -> None:
+        """Add a frame, or an event; with a full queue the oldest one is lost."""
         self.skipped += len(self._waiting) == self._waiting.maxlen
         self._waiting.append(frame)
         self._news.set()
@@ -46,8 +47,8 @@ class Listener:
         self._ended = True
         self._news.set()
 
-    async def get(self) -> Frame | None:
-        """The next frame, or None at the end of the stream."""
+    async def get(self) -> Frame | str | None:
+        """The next frame or event, or None at the end of the stream."""
         while not self._waiting:
             if self._ended:
                 return None
@@ -57,11 +58,18 @@ class Listener:
 
 
 class Hub:
-    """Hands every frame to every listener."""
+    """Hands every frame to every listener.
+
+    Attributes
+    ----------
+    began : float or None
+        The moment of frame 0, seconds since 1970; None before.
+    """
 
     def __init__(self) -> None:
         self._listeners: set[Listener] = set()
         self._ended = False
+        self.began: float | None = None
         self._changed = asyncio.Event()
 
     def __len__(self) -> int:
@@ -93,6 +101,12 @@ class Hub:
         while bool(self._listeners) != occupied:
             self._changed.clear()
             await self._changed.wait()
+
+    def begin(self, moment: float) -> None:
+        """Tell all when frame 0 stands."""
+        self.began = moment
+        for listener in self._listeners:
+            listener.put(json.dumps({"event": "began", "at": moment}))
 
     def publish(self, frame: Frame) -> None:
         """Hand on a frame; never waits."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -17,11 +18,10 @@ from mien.core.utterance import PAUSE
 from mien.serve.live.animator import LiveAnimator
 from mien.serve.live.clock import Clock, RealClock, frames_due
 from mien.serve.live.frames import Frame, Greeting
-from mien.serve.live.hub import Hub
 from mien.serve.live.live_recording import LiveRecording
 from mien.serve.live.playout import Playout
 from mien.serve.live.sound_sources import SoundSource
-from mien.serve.live.streaming import Outlets, opened_outlets
+from mien.serve.live.streaming import OpenOutlets, Outlets, opened_outlets, second_of_day
 from mien.speech.streaming_features import RATE
 
 __all__ = ["Performed", "perform_live"]
@@ -117,16 +117,21 @@ async def perform_live(
         source.inbox.tap = recording.add_arrived
     sent = last = 0
     async with opened_outlets(outlets, greeting) as open_to:
+        open_to.prepare(Frame(0, 0.0, np.zeros(len(channels.ALL))))
         opened(open_to.port)
         if wait:
-            await _somebody(open_to.hub, stopping)
+            await _somebody(open_to, stopping)
         # The matrices are small: threads that wait for one another take longer than one that does the work.
         with contextlib.closing(_Running(source)), threadpool_limits(1):
-            async for number in frames_due(settings.rate, clock or RealClock()):
+            clock = clock or RealClock()
+            start, day = clock.now(), second_of_day()
+            open_to.hub.begin(time.time())
+            async for number in frames_due(settings.rate, clock, start):
                 if stopping() or show.done:
                     break
                 values = show.next(number + 1 - last)
-                open_to.send(Frame(number, settings.rate.time_of(number), values))
+                at = settings.rate.time_of(number)
+                open_to.send(Frame(number, at, values, day + at))
                 watch(number, show.shown - show.playout.silence)
                 sent, last = sent + 1, number + 1
     playout = show.playout
@@ -134,12 +139,12 @@ async def perform_live(
     return Performed(sent, last - sent, playout.silence, playout.left_out, source.inbox.dropped / RATE, delay)
 
 
-async def _somebody(hub: Hub, stopping: Callable[[], bool]) -> None:
+async def _somebody(open_to: OpenOutlets, stopping: Callable[[], bool]) -> None:
     """Wait until somebody listens, or until the stream is asked to end."""
-    while not len(hub) and not stopping():
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(_LOOK):
-                await hub.occupied()
+    waiting = asyncio.ensure_future(open_to.heard(Frame(0, 0.0, np.zeros(len(channels.ALL)))))
+    while not waiting.done() and not stopping():
+        await asyncio.wait([waiting], timeout=_LOOK)
+    waiting.cancel()
 
 
 class _Running:

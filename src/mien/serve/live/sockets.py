@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
@@ -19,7 +20,10 @@ from mien.serve.addresses import check_address, is_loopback
 from mien.serve.live.frames import END, Greeting, encode_frame
 from mien.serve.live.hub import Hub, Listener
 
-__all__ = ["MOST_CLIENTS", "PATIENCE", "Access", "websocket_stream"]
+__all__ = ["MOST_CLIENTS", "PATIENCE", "SOUND", "Access", "websocket_stream"]
+
+SOUND = "/sound.wav"
+"""Where the sound of a stream is, on the port of its WebSocket."""
 
 MOST_CLIENTS = 64
 """Clients at once; one more is turned away."""
@@ -71,25 +75,32 @@ class Access:
 
 
 @contextlib.asynccontextmanager
-async def websocket_stream(hub: Hub, greeting: Greeting, access: Access) -> AsyncIterator[int]:
+async def websocket_stream(
+    hub: Hub, greeting: Greeting, access: Access, sound: bytes | None = None
+) -> AsyncIterator[int]:
     """Serve a hub's frames over WebSocket while the context lasts; gives the port.
+
+    A ``sound`` (a WAV file) is answered to ``GET /sound.wav`` on the same port, to whom may listen.
 
     Raises
     ------
     OutputError
         If the address cannot be bound to.
     """
-    message = greeting.encode()
 
     async def attend(client: ServerConnection) -> None:
         with contextlib.suppress(ConnectionClosed, TimeoutError):
-            await _attend(client, hub, message)
+            await _attend(client, hub, greeting)
 
     def admit(client: ServerConnection, request: Request) -> Response | None:
         if len(hub) >= MOST_CLIENTS:
             return client.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_CLIENTS} clients listen already\n")
         refused = access.refusal(request)
-        return client.respond(*refused) if refused else None
+        if refused:
+            return client.respond(*refused)
+        if sound is not None and urlsplit(request.path).path == SOUND:
+            return _sounding(sound, request.headers.get("Origin"))
+        return None
 
     try:
         server: Server = await serve(
@@ -117,14 +128,21 @@ async def websocket_stream(hub: Hub, greeting: Greeting, access: Access) -> Asyn
         await server.wait_closed()
 
 
-async def _attend(client: ServerConnection, hub: Hub, greeting: str) -> None:
+def _sounding(sound: bytes, origin: str | None) -> Response:
+    headers = Headers({"Content-Type": "audio/wav", "Content-Length": str(len(sound)), "Connection": "close"})
+    if origin is not None:
+        headers["Access-Control-Allow-Origin"] = origin
+    return Response(200, "OK", headers, sound)
+
+
+async def _attend(client: ServerConnection, hub: Hub, greeting: Greeting) -> None:
     """Greet, then hand on frames until the stream or the client ends."""
-    await asyncio.wait_for(client.send(greeting), PATIENCE)
     listener = hub.join()
+    await asyncio.wait_for(client.send(greeting.encode(hub.began)), PATIENCE)
     hearing = asyncio.create_task(_hear(client, listener))
     try:
         while (frame := await listener.get()) is not None:
-            await asyncio.wait_for(client.send(encode_frame(frame)), PATIENCE)
+            await asyncio.wait_for(client.send(frame if isinstance(frame, str) else encode_frame(frame)), PATIENCE)
         await asyncio.wait_for(client.send(END), PATIENCE)
     finally:
         hub.leave(listener)

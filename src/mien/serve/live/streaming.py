@@ -3,18 +3,41 @@
 from __future__ import annotations
 
 import contextlib
+import datetime
+import io
+import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from mien.animation.animation import Animation
+from mien.core.audio import Audio
 from mien.serve.live.clock import Clock, RealClock, frames_due
-from mien.serve.live.datagrams import Encode, datagrams
+from mien.serve.live.datagrams import Encode, Outbox, datagrams
 from mien.serve.live.frames import Frame, Greeting
 from mien.serve.live.hub import Hub
-from mien.serve.live.sockets import Access, websocket_stream
+from mien.serve.live.sockets import SOUND, Access, websocket_stream
 
-__all__ = ["OpenOutlets", "Outlets", "Played", "greeting_of", "opened_outlets", "stream"]
+__all__ = ["OpenOutlets", "Outlets", "Played", "greeting_of", "opened_outlets", "second_of_day", "stream", "wav_of"]
+
+
+_LEAD = 0.1
+"""Seconds between telling when frame 0 stands and that frame, so that a receiver can start its sound in time."""
+
+
+def wav_of(audio: Audio) -> bytes:
+    """A sound as a WAV file, 24 bit."""
+    import soundfile
+
+    content = io.BytesIO()
+    soundfile.write(content, audio.samples, audio.rate, format="WAV", subtype="PCM_24")
+    return content.getvalue()
+
+
+def second_of_day() -> float:
+    """Seconds since midnight on this machine's clock, as timecode counts."""
+    now = datetime.datetime.now()
+    return now.hour * 3600 + now.minute * 60 + now.second + now.microsecond / 1e6
 
 
 @dataclass(frozen=True)
@@ -59,6 +82,7 @@ def greeting_of(animation: Animation) -> Greeting:
         "words": told(speech.words),
         "phones": told(speech.phones),
         "performer": animation.provenance.performer,
+        "sound": SOUND,
     }
     return Greeting(animation.channels.names, animation.rate.fps, facts)
 
@@ -76,18 +100,38 @@ class OpenOutlets:
 
     port: int | None
     hub: Hub
-    _senders: Sequence[tuple[Callable[[bytes], None], Encode]]
+    _senders: Sequence[tuple[Outbox, Encode]]
+
+    def prepare(self, frame: Frame) -> None:
+        """Load whatever the first frame needs, before any clock runs."""
+        for _, encode in self._senders:
+            encode(frame)
+
+    async def heard(self, frame: Frame) -> None:
+        """Wait until somebody listens at every outlet.
+
+        Whether a packet is heard cannot be known; a machine that has nobody at the port mostly says so, and is asked
+        again with ``frame`` until it does not.
+        """
+        if self.port is not None:
+            await self.hub.occupied()
+        for outbox, encode in self._senders:
+            await outbox.welcome(encode(frame))
 
     def send(self, frame: Frame) -> None:
         """Hand a frame to everybody; never waits."""
         self.hub.publish(frame)
-        for send, encode in self._senders:
-            send(encode(frame))
+        for outbox, encode in self._senders:
+            outbox.send(encode(frame))
 
 
 @contextlib.asynccontextmanager
-async def opened_outlets(outlets: Outlets, greeting: Greeting) -> AsyncIterator[OpenOutlets]:
+async def opened_outlets(
+    outlets: Outlets, greeting: Greeting, sound: bytes | None = None
+) -> AsyncIterator[OpenOutlets]:
     """Open all outlets while the context lasts; at its end the WebSocket's clients are told.
+
+    ``sound``: a WAV file that clients of the WebSocket can fetch.
 
     Raises
     ------
@@ -99,7 +143,7 @@ async def opened_outlets(outlets: Outlets, greeting: Greeting) -> AsyncIterator[
         senders = [(await stack.enter_async_context(datagrams(a)), encode) for a, encode in outlets.datagrams]
         port = None
         if outlets.websocket is not None:
-            port = await stack.enter_async_context(websocket_stream(hub, greeting, outlets.websocket))
+            port = await stack.enter_async_context(websocket_stream(hub, greeting, outlets.websocket, sound))
         try:
             yield OpenOutlets(port, hub, senders)
         finally:
@@ -124,7 +168,7 @@ async def stream(
     loop : bool
         Begin again at the end, until stopped; frame numbers and times go on.
     wait : bool
-        Begin when the first WebSocket client has come.
+        Begin when the first WebSocket client has come, and nobody refuses packets any more.
     clock : Clock or None
         None takes the machine's.
     opened : callable (port or None)
@@ -137,13 +181,20 @@ async def stream(
     """
     values, rate = animation.channels.values, animation.rate
     sent = last = 0
-    async with opened_outlets(outlets, greeting_of(animation)) as open_to:
+    clock = clock or RealClock()
+    sound = wav_of(animation.utterance.audio) if outlets.websocket is not None else None
+    async with opened_outlets(outlets, greeting_of(animation), sound) as open_to:
+        open_to.prepare(Frame(0, 0.0, values[0]))
         opened(open_to.port)
         if wait:
-            await open_to.hub.occupied()
-        async for number in frames_due(rate, clock or RealClock()):
+            await open_to.heard(Frame(0, 0.0, values[0]))
+        began = clock.now() + _LEAD
+        open_to.hub.begin(time.time() + _LEAD)
+        day = second_of_day() + _LEAD
+        async for number in frames_due(rate, clock, began):
             if number >= len(values) and not loop:
                 break
-            open_to.send(Frame(number, rate.time_of(number), values[number % len(values)]))
+            at = rate.time_of(number)
+            open_to.send(Frame(number, at, values[number % len(values)], day + at))
             sent, last = sent + 1, number + 1
     return Played(sent, last - sent)
