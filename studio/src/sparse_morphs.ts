@@ -30,18 +30,6 @@ export class SparseMorphs {
     this.before = new Float32Array(position.length).fill(-1);
   }
 
-  /** The farthest that any target moves each vertex. */
-  reach(): Float32Array {
-    const far = new Float32Array(this.rest.length / 3);
-    for (const { vertices, offsets } of this.places) {
-      vertices.forEach((v, i) => {
-        const length = Math.hypot(offsets[3 * i] as number, offsets[3 * i + 1] as number, offsets[3 * i + 2] as number);
-        if (length > (far[v] as number)) far[v] = length;
-      });
-    }
-    return far;
-  }
-
   /** Moves the vertices to the mesh's influences; `true` if anything moved. */
   update(force = false): boolean {
     const weights = this.mesh.morphTargetInfluences as number[];

@@ -1,5 +1,5 @@
 // The face in its light: three.js, drawn only when something has changed.
-import { FaceRig, type Recipe } from 'mien-viewer';
+import { FaceRig, frameBox, movingBox, type Recipe } from 'mien-viewer';
 import {
   ACESFilmicToneMapping, Box3, Group, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene, SRGBColorSpace,
   Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Object3D, type Texture,
@@ -75,13 +75,14 @@ export class Stage {
       mesh.castShadow = mesh.receiveShadow = true;
       mesh.material = Array.isArray(mesh.material) ? mesh.material.map((one) => dressed(one, this.quality)) : dressed(mesh.material, this.quality);
     }
+    const region = movingBox(scene);
     this.morphs = takeOver(meshes);
     this.drop();
     this.face = scene;
     this.rig = rig;
     this.scene.add(scene);
     this.box = new Box3().setFromObject(scene);
-    this.region = movingBox(this.morphs) ?? this.box;
+    this.region = region;
     this.light(this.lighting);
     this.view('portrait');
     return rig;
@@ -185,19 +186,7 @@ export class Stage {
 
   /** Points a camera at what of the face moves. */
   private aim(camera: PerspectiveCamera, view: View): { target: Vector3; size: number } {
-    const target = this.region.getCenter(new Vector3());
-    const size = this.region.max.y - this.region.min.y;
-    target.y = this.region.min.y + size * view.height;
-    const narrow = Math.max(1, 0.78 / camera.aspect);
-    const far = (size * view.fill * narrow) / (2 * Math.tan((FIELD * Math.PI) / 360));
-    const [around, above] = [(view.around * Math.PI) / 180, (view.above * Math.PI) / 180];
-    camera.position.set(Math.sin(around) * Math.cos(above), Math.sin(above), Math.cos(around) * Math.cos(above))
-      .multiplyScalar(far).add(target);
-    camera.near = size / 50;
-    camera.far = size * 40;
-    camera.lookAt(target);
-    camera.updateProjectionMatrix();
-    return { target, size };
+    return { target: frameBox(this.region, camera, view), size: this.region.max.y - this.region.min.y };
   }
 
   private centre(): Vector3 { return this.box.getCenter(new Vector3()); }
@@ -269,23 +258,6 @@ export class Stage {
     else return;
     this.fit();
   }
-}
-
-const MOVES = 0.2; // of the farthest that any vertex moves
-
-/** The box around what moves: the face, without shoulders and hair. */
-function movingBox(morphs: readonly SparseMorphs[]): Box3 | undefined {
-  const box = new Box3();
-  const reaches = morphs.map((morph) => morph.reach());
-  const least = MOVES * Math.max(0, ...reaches.map((reach) => reach.reduce((most, one) => Math.max(most, one), 0)));
-  morphs.forEach((morph, number) => {
-    morph.mesh.updateWorldMatrix(true, false);
-    reaches[number]?.forEach((reach, v) => {
-      if (reach <= least) return;
-      box.expandByPoint(new Vector3().fromArray(morph.rest, 3 * v).applyMatrix4(morph.mesh.matrixWorld));
-    });
-  });
-  return box.isEmpty() ? undefined : box;
 }
 
 /** What is asked for in the page's address (`?quality=full`), or else what the machine can draw. */

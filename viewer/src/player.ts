@@ -63,6 +63,27 @@ export class MienFace {
     return stream;
   }
 
+  /**
+   * Performs a stream of `mien serve` with its sound: that is fetched from the same port and plays so that it is at 0 when
+   * frame 0 stands; the face then keeps time with the sound.
+   */
+  listenWithSound(address: string, audio: HTMLAudioElement, options: StreamOptions = {}): MienStream {
+    const sound = new URL(address.replace(/^ws/, 'http'));
+    sound.pathname = '/sound.wav';
+    audio.crossOrigin = 'anonymous';
+    audio.preload = 'auto';
+    audio.src = sound.href;
+    const keep = mediaClock(audio);
+    return this.listen(address, { clock: keep, ...options, onBegin: (at) => {
+      const start = (): void => {
+        audio.currentTime = Math.max(Date.now() / 1000 - at, 0);
+        void audio.play();
+      };
+      setTimeout(start, Math.max(at * 1000 - Date.now(), 0));
+      options.onBegin?.(at);
+    } });
+  }
+
   /** Stays as it is now. */
   stop(): void {
     if (this.motion instanceof MienStream) this.motion.close();

@@ -63,6 +63,8 @@ export interface StreamOptions {
   /** A clock of your own in seconds of the stream (a sound that plays beside it); else the frames' own arrival is it. */
   clock?: Clock;
   onGreeting?: (greeting: Greeting) => void;
+  /** The moment at which frame 0 stands, seconds since 1970 by the sender's clock: maybe past, maybe a little ahead. */
+  onBegin?: (at: number) => void;
   onEnd?: () => void;
   onError?: (problem: MienError) => void;
   /** Replaces the browser's WebSocket, in tests. */
@@ -82,6 +84,7 @@ export class MienStream implements Motion {
   channels: readonly string[] = [];
   greeting: Greeting | undefined;
   ended = false;
+  began: number | undefined;
   readonly stats: StreamStats = { received: 0, skipped: 0, late: 0 };
   private readonly frames: Frame[] = [];
   private readonly offsets: { at: number; offset: number }[] = [];
@@ -130,7 +133,7 @@ export class MienStream implements Motion {
     try {
       if (typeof message !== 'string') this.keep(readFrame(message, this.channels.length));
       else if (this.greeting === undefined) this.greet(readGreeting(message));
-      else if ((JSON.parse(message) as { event?: string }).event === 'end') this.end();
+      else this.hear(JSON.parse(message) as { event?: string; at?: number });
     } catch (problem) {
       this.ended = true;
       this.socket.close();
@@ -138,7 +141,20 @@ export class MienStream implements Motion {
     }
   }
 
+  private hear({ event, at }: { event?: string; at?: number }): void {
+    if (event === 'end') this.end();
+    else if (event === 'began' && at !== undefined) this.begin(at);
+  }
+
+  /** The moment of frame 0 is known: a sound can be started with it. */
+  private begin(at: number): void {
+    this.began = at;
+    this.options.onBegin?.(at);
+  }
+
   private greet(greeting: Greeting): void {
+    const { began } = greeting.facts;
+    if (typeof began === 'number') queueMicrotask(() => this.begin(began));
     this.greeting = greeting;
     this.channels = greeting.channels;
     this.row = new Float32Array(greeting.channels.length);
