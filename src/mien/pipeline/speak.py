@@ -6,37 +6,30 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError, MienError, Note
 from mien.core.timeline import Tier
 from mien.core.utterance import Utterance
 from mien.emotion.emotional_voice import Kept, with_feeling
-from mien.pipeline.script_places import Clock
+from mien.pipeline.script_places import Clock, emotions_at, naming_its_line, place
 from mien.pipeline.spoken import Spoken
 from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
 from mien.speech.sound_reshaping import Change, reshape
-from mien.text.commands import Command, CommandLibrary, shipped_library
-from mien.text.effort_spans import EffortCurve, EffortSpan
-from mien.text.intensity import IntensityCurve
+from mien.text.commands import CommandLibrary, shipped_library
 from mien.text.languages import read_words
 from mien.text.normalisation import spoken_words
-from mien.text.parameter_curves import ParameterCurve
-from mien.text.score import UNDIRECTED, EmotionSpan, Score
-from mien.text.script import DirectedCommand, DirectedCurve, DirectedEffort, DirectedEmotion, Script, Segment
+from mien.text.score import UNDIRECTED, Score
+from mien.text.script import Script, Segment
 from mien.text.spoken_text import Spelled, SpokenText
-from mien.text.sync_points import Moment, plain
+from mien.text.sync_points import plain
 
-__all__ = ["Listener", "Synthesiser", "place", "speak", "speak_over"]
+__all__ = ["Listener", "Synthesiser", "speak", "speak_over"]
 
 _RATE = 24_000  # samples per second where nothing is said
 _STILL = 1.0  # seconds that a command without words is followed by
 _ROOM = 0.1  # seconds after the last gesture
-_EARLY = 1000.0  # ms before the sound at which a command may begin
-Result = TypeVar("Result")
 Synthesiser = Callable[..., Utterance]
 """Called as `mien.speech.synthesis.synthesise` is."""
 Listener = Callable[[str, str | Path | None, Sequence[Spelled]], Utterance]
@@ -240,7 +233,7 @@ def _felt(joined: Joined, script: Script, score: Score, amount: float, seed: int
         start, end = item.start.resolve(clock.time_of) / 1000, item.end.resolve(clock.time_of) / 1000
         asked = {"rate": item.rate, "pitch": item.pitch, "volume": item.volume}
         kept.append(Kept(start, end, frozenset(name for name, value in asked.items() if value is not None)))
-    at_words = Score(_emotions(script.emotions, clock))
+    at_words = Score(emotions_at(script.emotions, clock))
     return replace(joined, utterance=with_feeling(joined.utterance, at_words, score, amount, kept, seed))
 
 
@@ -253,7 +246,7 @@ def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joine
     for item in script.commands:
         if not item.at.terms or item.at.terms[0][0].partition(".")[0] not in clock.points:
             continue
-        at = _at(item.command.where, partial(item.at.resolve, clock.time_of))
+        at = naming_its_line(item.command.where, partial(item.at.resolve, clock.time_of))
         if item.until is None and last_word - 1 <= at <= utterance.duration * 1000:
             curves = library.translate(item.command.with_(at=plain(at))).curves
             needed = max(needed, *(curve.keys[-1][0] / 1000 for curve in curves))
@@ -262,107 +255,3 @@ def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joine
     more = Audio.silence(needed - utterance.duration + _ROOM, utterance.audio.rate)
     audio = Audio.join([utterance.audio, more])
     return replace(joined, utterance=over_longer_sound(utterance, audio))
-
-
-def place(script: Script, joined: Joined, library: CommandLibrary | None = None) -> Spoken:
-    """Give everything in a script its time in an utterance.
-
-    Raises
-    ------
-    InputError
-        If a place is not in the text, or a time lies outside the sound; with file and line.
-    """
-    library = library or shipped_library()
-    clock = Clock(joined, script.points, script.segments)
-    notes: list[Note] = []
-    commands = tuple(
-        _at(item.command.where, partial(_command, item, clock, library, notes)) for item in script.commands
-    )
-    curves = tuple(_at(item.where, partial(_curve, item, clock)) for item in script.curves)
-    utterance = joined.utterance.with_notes(*script.notes, *notes)
-    return Spoken(utterance, _emotions(script.emotions, clock), commands, curves, _efforts(script.efforts, clock))
-
-
-def _at(where: str, job: Callable[[], Result]) -> Result:
-    try:
-        return job()
-    except InputError as problem:
-        if not where or str(problem).startswith(where):
-            raise
-        raise InputError(f"{where}: {problem}") from problem
-
-
-def _command(item: DirectedCommand, clock: Clock, library: CommandLibrary, notes: list[Note]) -> Command:
-    at = item.at.resolve(clock.time_of)
-    _inside(item.command.name, at, clock)
-    command = item.command
-    if item.until is not None:
-        command = _lasting(item, item.until.resolve(clock.time_of) - at, library, notes)
-    return command.with_(at=plain(at))
-
-
-def _inside(name: str, at: float, clock: Clock) -> None:
-    if not -_EARLY <= at <= clock.duration * 1000:
-        raise InputError(
-            f"{name}: its time, {at / 1000:g} s, lies outside the sound, which lasts {clock.duration:.3f} s "
-            "(plain numbers are milliseconds from its start)"
-        )
-
-
-def _lasting(item: DirectedCommand, length: float, library: CommandLibrary, notes: list[Note]) -> Command:
-    """A command whose length is that of what it stands around."""
-    command = item.command
-    if length <= 0:
-        raise InputError(f"{command.name}: it would end {-length:g} ms before it begins")
-    has, given = library[command.name].parameters, command.given
-    if "count" in has and "count" in given and "period" in has and not {"period", "frequency"} & set(given):
-        return command.with_(period=plain(round(length / float(given["count"]), 3)))
-    if {"count", "end", "duration"} & set(given):
-        return command
-    for name in ("end", "duration"):
-        if name in has:
-            return command.with_(**{name: plain(round(length, 3))})
-    notes.append(Note("note", f"{command.where}: {command.name} has a length of its own"))
-    return command
-
-
-def _curve(item: DirectedCurve, clock: Clock) -> ParameterCurve:
-    keys = tuple((moment.resolve(clock.time_of), value) for moment, value in item.keys)
-    if keys[-1][0] < 0 or keys[0][0] > clock.duration * 1000:
-        _inside(f"curve of {item.parameter}", keys[0][0] if keys[0][0] > 0 else keys[-1][0] - 2 * _EARLY, clock)
-    return ParameterCurve(item.parameter, keys, item.interpolation, "set" if item.mode == "set" else "add", item.fade)
-
-
-def _emotions(emotions: Sequence[DirectedEmotion], clock: Clock) -> tuple[EmotionSpan, ...]:
-    def seconds(moment: Moment | None) -> float | None:
-        return None if moment is None else moment.resolve(clock.time_of) / 1000
-
-    def strength(emotion: DirectedEmotion) -> float | IntensityCurve:
-        if not emotion.keys:
-            return emotion.intensity
-        return IntensityCurve(*_rising(emotion.keys, clock, f"emotion {emotion.name!r}: the points of its intensity"))
-
-    spans = [EmotionSpan(e.name, strength(e), start=seconds(e.start), end=seconds(e.end)) for e in emotions]
-    return tuple(s for s in spans if s.start is None or s.end is None or s.end > s.start)
-
-
-def _efforts(efforts: Sequence[DirectedEffort], clock: Clock) -> tuple[EffortSpan, ...]:
-    spans = []
-    for effort in efforts:
-        start, end = (moment.resolve(clock.time_of) / 1000 for moment in (effort.start, effort.end))
-        if end > start:
-            keys = effort.keys
-            level = EffortCurve(*_rising(keys, clock, "effort: the points of its level")) if keys else effort.level
-            spans.append(EffortSpan(level, start, end))
-    return tuple(spans)
-
-
-def _rising(
-    keys: Sequence[tuple[Moment, float]], clock: Clock, what: str
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Seconds and values of the points of a curve."""
-    placed = [(moment.resolve(clock.time_of) / 1000, value) for moment, value in keys]
-    if any(after[0] <= before[0] for before, after in pairwise(placed)):
-        told = ", ".join(f"{value:g} at {at:.3f} s" for at, value in placed)
-        raise InputError(f"{what} do not rise in time: {told}")
-    return tuple(at for at, _ in placed), tuple(value for _, value in placed)
