@@ -30,13 +30,15 @@ class ParticipantStoppedError(Exception):
 
 
 def ask(window, text, keys):
-    """Show a question until one of the keys is pressed; returns the key and the seconds it took."""
+    """Show a question until one of the keys is pressed; returns the key and the seconds since the question was seen."""
     from psychopy import core, event, visual
 
     visual.TextStim(window, text=text, color="black", height=0.05, wrapWidth=1.4).draw()
+    clock = core.Clock()
+    window.callOnFlip(clock.reset)
+    window.callOnFlip(event.clearEvents)
     window.flip()
-    event.clearEvents()
-    pressed = event.waitKeys(keyList=None if keys is None else [*keys, STOP], timeStamped=core.Clock())
+    pressed = event.waitKeys(keyList=None if keys is None else [*keys, STOP], timeStamped=clock)
     key, seconds = pressed[0]
     if key == STOP:
         raise ParticipantStoppedError
@@ -44,28 +46,37 @@ def ask(window, text, keys):
 
 
 def show(window, stimulus):
-    """Show a picture or a film for as long as it lasts; returns the seconds it was seen."""
+    """Show a picture or a film for as long as it lasts.
+
+    Returns the seconds from the flip that first showed it to the flip that took it off, and the seconds between the
+    flips of a film.
+    """
     from psychopy import core, visual
 
     clock = core.Clock()
+    window.callOnFlip(clock.reset)
     if stimulus.suffix == ".png":
         visual.ImageStim(window, image=str(stimulus)).draw()
         window.flip()
         core.wait(STILL_SECONDS)
+        intervals = []
     else:
         film = visual.MovieStim(window, filename=str(stimulus), noAudio=True, autoStart=False)
         film.play()
+        window.frameIntervals, window.recordFrameIntervals = [], True
         while not film.isFinished:
             film.draw()
             window.flip()
+        window.recordFrameIntervals = False
+        intervals = list(window.frameIntervals)
         film.stop()
     window.flip()
-    return clock.getTime()
+    return clock.getTime(), intervals
 
 
 def trial(window, condition):
     """One trial: the face, the question, the rating. Returns what goes into the data."""
-    shown = show(window, HERE / condition["stimulus"])
+    shown, intervals = show(window, HERE / condition["stimulus"])
     question = "   ".join(f"{key.upper()} {name}" for key, name in KEYS.items())
     key, seconds = ask(window, f"What did the face express?\n\n{question}", KEYS)
     rating, _ = ask(window, "How natural did it look?\n\n1  2  3  4  5  6  7", RATINGS)
@@ -75,6 +86,8 @@ def trial(window, condition):
         "correct": int(key == condition["correct_key"]),
         "reaction_seconds": round(seconds, 4),
         "naturalness": int(rating),
+        "longest_frame_ms": round(1000 * max(intervals, default=0.0), 2),
+        "frame_intervals_ms": " ".join(f"{1000 * interval:.2f}" for interval in intervals),
     }
 
 

@@ -28,10 +28,20 @@ def install(monkeypatch: pytest.MonkeyPatch, session: Session) -> None:
     """Put a module ``psychopy`` where ``import`` finds it."""
 
     class Window:
-        def __init__(self, fullscr: bool, color: Any, units: str) -> None: ...
+        def __init__(self, fullscr: bool, color: Any, units: str) -> None:
+            self.waiting: list[Any] = []
+            self.frameIntervals: list[float] = []
+            self.recordFrameIntervals = False
+
+        def callOnFlip(self, call: Any) -> None:
+            self.waiting.append(call)
 
         def flip(self) -> None:
             session.now += 1 / 60
+            if self.recordFrameIntervals:
+                self.frameIntervals.append(1 / 60)
+            while self.waiting:
+                self.waiting.pop(0)()
 
         def close(self) -> None:
             session.closed += 1
@@ -68,6 +78,9 @@ def install(monkeypatch: pytest.MonkeyPatch, session: Session) -> None:
 
     class Clock:
         def __init__(self) -> None:
+            self.reset()
+
+        def reset(self) -> None:
             self.start = session.now
 
         def getTime(self) -> float:

@@ -79,6 +79,9 @@ def test_a_participant_who_knows_the_answers(experiment: ModuleType, monkeypatch
         Path(row["stimulus"]).name for row in trials
     ]
     stills = [row for row in rows if row["presentation"] == "static"]
+    films = [row for row in rows if row["presentation"] == "dynamic"]
+    assert all(float(row["longest_frame_ms"]) == pytest.approx(1000 / 60, abs=0.01) for row in films)
+    assert all(len(row["frame_intervals_ms"].split()) == 3 for row in films), "every flip of a film is written down"
     assert all(float(row["shown_seconds"]) >= experiment.STILL_SECONDS for row in stills)
     assert session.closed == 1
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.core.channels import ARKIT
+from mien.core.channels import ARKIT, TONGUE
 from mien.core.errors import MissingPartError
 from mien.face.model import Eye, Face, Part, Target
 from mien.formats.face_motion import linear_light
@@ -51,6 +51,8 @@ class CompactBuilder(GlbBuilder):
         self.step = max(reach, float(max(moves, default=0.0)), 1.0) / 32_767  # mm
 
     def _targets(self, parts: Sequence[Part], extra: tuple[str, ...]) -> tuple[str, ...]:
+        if extra != TONGUE:
+            return ARKIT
         return tuple(name for name in ARKIT if any(name in part.targets for part in parts))
 
     def _primitive(self, part: Part, vertices: Floats) -> dict[str, Any]:
