@@ -333,6 +333,15 @@ def _spoken(path: Path) -> None:
     spoken_words(read_text(path))
 
 
+def _messages(path: Path) -> None:
+    from mien.serve.modules.messages import Messages
+
+    messages = Messages({"HeadNod", "Smile"}, texts=True)
+    for line in path.read_text(encoding="utf-8", errors="replace").split("\n"):
+        messages.take(line)
+    messages.finish()
+
+
 def _by_name(module: str, name: str) -> Callable[[Path], object]:
     def read(path: Path) -> object:
         from importlib import import_module
@@ -411,6 +420,7 @@ TARGETS: tuple[Target, ...] = (
     Target("ssml", ".ssml", _script, _lines(SSML)),
     Target("bml", ".bml", _script, _lines(BML)),
     Target("spoken", ".txt", _spoken, _lines(TEXT, SCRIPT)),
+    Target("messages", ".txt", _messages, _lines(SCRIPT, SSML, '<HeadNod at="1"\ncount="2">\n<!-- a\n-->\n<Smile/>\n')),
     Target("commands", ".txt", _call("mien.text.library_file", "read_library_file"), _of_assets("commands/*.txt")),
     Target("intensity", ".csv", _call("mien.text.intensity", "read_intensity"), _lines("seconds,happy\n0,0.1\n1,0.9\n2.5,0\n")),
     Target(
