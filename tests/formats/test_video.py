@@ -16,7 +16,8 @@ import pytest
 from mien.core.audio import Audio
 from mien.core.errors import InputError, OutputError
 from mien.core.timeline import FrameRate
-from mien.formats.video import write_frames, write_video
+from mien.face.render.view import View
+from mien.formats.video import check_film, write_frames, write_video
 from tests.faces import tiny_animation, tiny_face
 
 SIZE = (64, 48)
@@ -65,7 +66,7 @@ def test_a_click_is_heard_when_its_flash_is_seen(tmp_path, rate, fps):
 
 def test_the_picture_is_as_long_as_the_sound(tmp_path):
     animation = tiny_animation(13, FrameRate.of(25))
-    write_video(animation, tiny_face(), tmp_path / "a.mp4", width=64, height=64)
+    write_video(animation, tiny_face(), tmp_path / "a.mp4", view=View(64, 64))
     with av.open(str(tmp_path / "a.mp4")) as container:
         video, sound = container.streams.video[0], container.streams.audio[0]
         assert float(video.duration * video.time_base) == pytest.approx(13 / 25, abs=1e-3)
@@ -94,7 +95,7 @@ def test_the_same_animation_gives_the_same_bytes_and_progress_is_told(tmp_path):
     for name in ("a.mp4", "b.mp4"):
         animation = tiny_animation(6)
         notes = write_video(
-            animation, tiny_face(), tmp_path / name, width=64, height=64, progress=lambda *done: told.append(done)
+            animation, tiny_face(), tmp_path / name, view=View(64, 64), progress=lambda *done: told.append(done)
         )
         assert notes == ()
     assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
@@ -111,7 +112,7 @@ def test_without_sound_there_is_no_sound_track(tmp_path):
 @pytest.mark.parametrize("size", [(65, 64), (64, 63)])
 def test_odd_sides_are_refused_with_even_ones_to_take(tmp_path, size):
     with pytest.raises(InputError, match=r"even numbers of pixels, not .*; \d+ x \d+ would do"):
-        write_video(tiny_animation(2), tiny_face(), tmp_path / "a.mp4", width=size[0], height=size[1])
+        write_video(tiny_animation(2), tiny_face(), tmp_path / "a.mp4", view=View(*size))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -120,10 +121,10 @@ def test_nothing_to_show_and_wrong_names_are_refused(tmp_path):
     empty = replace(animation, channels=type(animation.channels)(("jawOpen",), np.zeros((0, 1)), animation.rate))
     with pytest.raises(InputError, match="no frames"):
         write_video(empty, tiny_face(), tmp_path / "a.mp4")
-    with pytest.raises(OutputError, match=r"written as \.mp4, not '\.avi'"):
+    with pytest.raises(OutputError, match=r"written as .mp4, .webm, .mov, not '\.avi'"):
         write_video(animation, tiny_face(), tmp_path / "a.avi")
     with pytest.raises(OutputError, match="does not exist"):
-        write_video(animation, tiny_face(), tmp_path / "none" / "a.mp4", width=64, height=64)
+        write_video(animation, tiny_face(), tmp_path / "none" / "a.mp4", view=View(64, 64))
 
 
 @pytest.mark.parametrize("failure", [KeyboardInterrupt, MemoryError])
@@ -135,7 +136,7 @@ def test_an_interruption_leaves_what_was_there_and_nothing_else(tmp_path, failur
             raise failure
 
     with pytest.raises(failure):
-        write_video(tiny_animation(8), tiny_face(), tmp_path / "a.mp4", width=64, height=64, progress=stop)
+        write_video(tiny_animation(8), tiny_face(), tmp_path / "a.mp4", view=View(64, 64), progress=stop)
     assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
     assert (tmp_path / "a.mp4").read_text() == "an older file"
 
@@ -146,7 +147,7 @@ def test_a_failing_encoder_stops_the_drawing(tmp_path):
     def pictures():
         for number in range(500):
             drawn.append(number)
-            yield np.zeros((48, 64, 4 if number > 2 else 3), np.uint8)  # four colours are one too many
+            yield np.zeros((48, 64, 5 if number > 2 else 3), np.uint8)  # five colours are one too many
 
     with pytest.raises(ValueError, match=r"shape|dimension|channel"):
         write_frames(pictures(), Fraction(25), Audio.silence(20, 8000), tmp_path / "a.mp4", SIZE)
@@ -160,6 +161,7 @@ import numpy as np
 from fractions import Fraction
 from mien.core.audio import Audio
 from mien.core.errors import OutputError
+from mien.face.render.view import View
 from mien.formats.video import write_frames
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
@@ -189,6 +191,8 @@ def test_a_fault_of_the_encoder_is_raised_and_nothing_waits_for_ever(at: str) ->
     class Full:
         """A stream whose encoder fails at one point, and the container that takes what comes before."""
 
+        pix_fmt = "yuv420p"
+
         def encode(self, frame: object) -> list[object]:
             if (frame is None) == (at == "the last flush"):
                 raise OSError("disk full")
@@ -211,3 +215,52 @@ def test_a_fault_of_the_encoder_is_raised_and_nothing_waits_for_ever(at: str) ->
     thread.join(60)
     assert not thread.is_alive()
     assert [str(problem) for problem in raised] == ["disk full"]
+
+
+@pytest.mark.parametrize(("suffix", "codec", "voice"), [(".webm", "vp9", "opus"), (".mov", "prores", "pcm_s24le")])
+def test_other_kinds_hold_pictures_and_sound_in_step_and_the_same_bytes(tmp_path, suffix, codec, voice):
+    pictures, sound = flash_and_click(Fraction(25), 2.4, 1.2, 22050)
+    for name in ("a", "b"):
+        notes = write_frames(iter(pictures), Fraction(25), sound, tmp_path / f"{name}{suffix}", SIZE)
+    assert [note.message for note in notes] == (
+        ["Opus has no sample rate of 22050 Hz; the video's sound has 48000 Hz"] if voice == "opus" else []
+    )
+    with av.open(str(tmp_path / f"a{suffix}")) as container:
+        assert [stream.codec.canonical_name for stream in container.streams] == [codec, voice]
+        shown = [(frame.time, frame.to_ndarray(format="gray").mean()) for frame in container.decode(video=0)]
+    assert len(shown) == 60
+    assert max(shown, key=lambda item: item[1])[0] == pytest.approx(1.2, abs=1e-3)
+    with av.open(str(tmp_path / f"a{suffix}")) as container:
+        blocks = [(frame.time, frame.to_ndarray().astype(float)[0]) for frame in container.decode(audio=0)]
+        rate = container.streams.audio[0].rate
+    times = np.concatenate([time + np.arange(len(block)) / rate for time, block in blocks])
+    heard = np.concatenate([block for _, block in blocks]) ** 2
+    assert float((times * heard).sum() / heard.sum()) == pytest.approx(1.205, abs=0.008)
+    assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
+
+
+@pytest.mark.parametrize("suffix", [".webm", ".mov"])
+def test_transparency_survives(tmp_path, suffix):
+    picture = np.zeros((48, 64, 4), np.uint8)
+    picture[:, 32:] = (200, 60, 40, 255)
+    write_frames(iter([picture] * 3), Fraction(25), Audio([], 16000), tmp_path / f"a{suffix}", SIZE, transparent=True)
+    with av.open(str(tmp_path / f"a{suffix}")) as container:
+        stream = container.streams.video[0]
+        if suffix == ".webm":  # FFmpeg's own decoder leaves the opacity out
+            assert stream.metadata["alpha_mode"] == "1"
+            decoder = av.CodecContext.create("libvpx-vp9", "r")
+            frames = [frame for packet in container.demux(stream) for frame in decoder.decode(packet)]
+        else:
+            frames = list(container.decode(video=0))
+    shown = frames[1].to_ndarray(format="rgba")
+    assert shown[:, :28, 3].max() < 8
+    assert shown[:, 36:, 3].min() > 247
+    assert np.abs(shown[:, 40:, :3].astype(int) - (200, 60, 40)).max() < 12
+
+
+def test_what_a_kind_cannot_hold_is_one_line():
+    with pytest.raises(InputError, match=r"a\.mp4: \.mp4 holds no transparency; give \.webm"):
+        check_film("a.mp4", View(background="transparent"))
+    with pytest.raises(InputError, match="64 x 63; 64 x 64 would do"):
+        check_film("a.webm", View(64, 63))
+    check_film("a.mov", View(64, 63, background="transparent"))

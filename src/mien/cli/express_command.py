@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from mien.cli.foreign_face import add_face_option, add_glb_options
+from mien.cli.view_options import add_view_options
 
 __all__ = ["add_command"]
 
@@ -34,6 +35,7 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     express.add_argument("--seed", type=int, default=0, help="seed of the expression (default 0)")
     add_face_option(express)
     add_glb_options(express)
+    add_view_options(express)
     express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
     express.add_argument("--quiet", action="store_true", help="say nothing but errors")
     express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")

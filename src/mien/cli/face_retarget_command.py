@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mien.cli.foreign_face import add_face_option
+from mien.cli.view_options import add_view_options
 from mien.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
     )
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     add_face_option(parser)
+    add_view_options(parser)
     parser.add_argument(
         "--method",
         choices=("least-squares", "rbf"),

@@ -66,13 +66,14 @@ def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, name
     """Refuse what cannot be done with a foreign face before any work is done."""
     from mien.face.foreign.drawn import not_drawn
     from mien.face.foreign.known_face import known_face
+    from mien.formats.registry import draws_pictures
 
     if deformer != "blendshapes":
         raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
     recognised = known_face(face, names)
     recognised.require_motion()
     for path in outputs:
-        reason = not_drawn(recognised) if path.suffix.lower() in (".mp4", ".png") else ""
+        reason = not_drawn(recognised) if draws_pictures(path) else ""
         if reason:
             raise InputError(f"{face} cannot be drawn to {path}: {reason}")
     return recognised

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mien.cli.serve_command import add_outlet_options, outlets_of, places
 from mien.cli.stopping import put_off
+from mien.cli.view_options import add_view_options, given_view_options, view_of
 from mien.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,13 +54,14 @@ def add_command(commands: Any) -> None:
         "--emotion", metavar="NAME[:0..1]", action="append", help="one that holds throughout, such as happy:0.6"
     )
     live.add_argument("--wait", action="store_true", help="begin when the first WebSocket client comes")
+    add_view_options(live)
     add_outlet_options(live)
     live.add_argument("--quiet", action="store_true", help="say nothing but errors")
     live.set_defaults(run=_live)
 
 
 def _live(options: argparse.Namespace) -> int:
-    from mien.formats.registry import check_output
+    from mien.formats.registry import check_output, draws_pictures
     from mien.serve.live.animator import LiveAnimator
     from mien.serve.live.live_recording import LiveRecording
 
@@ -71,8 +73,12 @@ def _live(options: argparse.Namespace) -> int:
     recorded = [options.output, *options.also] if options.output else []
     if options.also and not options.output:
         raise InputError("--also names a second recording: give the first with -o")
+    view = view_of(options)
     for path in recorded:
-        check_output(path)
+        check_output(path, view)
+    if view is not None and not any(map(draws_pictures, recorded)):
+        unused = " ".join(f"--{name}" for name in given_view_options(options))
+        raise InputError(f"{unused}: for pictures alone; record some, with -o NAME.mp4")
     source = _source(options)
     performer, settings = _prepared(options)
     animator = LiveAnimator(performer, settings)
@@ -179,7 +185,7 @@ def _write(
         animation = recording.animation(settings.rate, settings.score, options.performer, settings.seed)
     if animation is None:
         raise InputError("nothing was heard, so nothing was recorded")
-    notes = (*animation.notes, *save(animation, *paths))
+    notes = (*animation.notes, *save(animation, *paths, view=view_of(options)))
     if not options.quiet:
         for note in notes:
             print(f"mien: {note.kind}: {note.message}", file=sys.stderr)

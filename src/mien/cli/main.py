@@ -39,6 +39,7 @@ from mien.cli.help_page import help_page, options_of, with_suggestion
 from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
+from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import claimed_outputs
 
@@ -230,14 +231,15 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         required=True,
-        help="file to write; its suffix picks the format: .mp4 .glb .usdz .usdc .usda .png .c3d .csv .fap .TextGrid "
-        ".wav .json",
+        help="file to write; its suffix picks the format: .mp4 .webm .mov .gif .png NAME%%05d.png .glb .usdz .usdc "
+        ".usda .c3d .csv .fap .TextGrid .wav .json",
     )
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")
     parser.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     add_face_option(parser)
     add_glb_options(parser)
+    add_view_options(parser)
     _add_performer_options(parser)
     _add_language_option(parser)
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -357,7 +359,8 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     from mien.face.library import is_named_face, load_face
     from mien.formats.registry import check_output
 
-    outputs = [check_output(path) for path in (options.output, *options.also)]
+    view = view_of(options)
+    outputs = [check_output(path, view) for path in (options.output, *options.also)]
     glb_style(options)
     foreign = is_gltf(options.face)
     _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
@@ -401,7 +404,8 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
             obey()
             show(done, total)
 
-        notes = api.save(animation, *outputs, face=face, progress=progress, glb=glb_style(options))
+        given = {"view": view_of(options), "glb": glb_style(options)}
+        notes = api.save(animation, *outputs, face=face, progress=progress, **given)
     _tell((*notes, *_unused(options, outputs)), options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration
@@ -411,12 +415,14 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
 
 def _unused(options: argparse.Namespace, outputs: Sequence[str]) -> list[Note]:
     """Notes on options that none of the formats written has a use for."""
-    from mien.formats.registry import shows_face
+    from mien.formats.registry import draws_pictures, shows_face
 
     suffixes = ", ".join(dict.fromkeys(Path(path).suffix for path in outputs))
     unused: dict[str, str | None] = {}
     if not any(shows_face(path) for path in outputs):
         unused |= {"face": "default", "deformer": "blendshapes"}
+    if not any(map(draws_pictures, outputs)):
+        unused |= dict.fromkeys(VIEW_OPTIONS)
     if all(Path(path).suffix.lower() in _WITHOUT_FRAMES for path in outputs):
         unused |= _OF_FRAMES if hasattr(options, "voice_emotion") else _OF_FRAMES | _OF_FACES
     asked = {name: value for name in unused if (value := getattr(options, name, None)) not in (unused[name], None)}

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
+
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
     from mien.serve.modules.transport import Sink, Source
@@ -49,6 +51,7 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
     perform.add_argument("--face", metavar="NAME|FILE", help="with -o: the face to show, as for mien say")
     perform.add_argument("--names", metavar="X.toml", help="with -o: names of a face of your own, as for mien say")
     perform.add_argument("--deformer", metavar="NAME|X.tree", help="with -o: what moves the face, as for mien say")
+    add_view_options(perform)
     perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
     perform.add_argument(
         "--speech-model", choices=("coarticulation", "graph", "both"), help="what moves the mouth, as for mien say"
@@ -194,7 +197,7 @@ def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed, **given)
     if options.output is not None and options.connect is not None:
         raise InputError("--output and --connect both say where the frames go: give one of them")
-    for name in ("face", "deformer", "names"):
+    for name in ("face", "deformer", "names", *VIEW_OPTIONS):
         if options.output is None and getattr(options, name) is not None:
             raise InputError(f"--{name} is for --output: frames are channels and show no face")
     save = None if options.output is None else _saver(options, checked_face)
@@ -209,11 +212,12 @@ def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[An
 
     options.face, options.deformer, options.also = options.face or "default", options.deformer or "blendshapes", []
     asked = argparse.Namespace(**vars(options) | {"output": str(output_path(options.output, "1", "1", ()))})
+    view = view_of(options)
     face, written = checked_face(asked, [options.edits]), set[Path]()
 
     def save(animation: Animation, name: str, sender: str) -> None:
         path = output_path(options.output, name, sender, written)
-        _teller("perform", options)((*animation.notes, *api.save(animation, path, face=face)))
+        _teller("perform", options)((*animation.notes, *api.save(animation, path, face=face, view=view)))
         written.add(path)
         if not options.quiet:
             seconds = animation.utterance.duration

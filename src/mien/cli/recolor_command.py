@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mien.cli.foreign_face import add_face_option
+from mien.cli.view_options import add_view_options
 
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
@@ -50,6 +51,7 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     )
     recolor.add_argument("--seed", type=int, default=0, help="for takes and markers (default 0)")
     add_face_option(recolor)
+    add_view_options(recolor)
     recolor.add_argument("--quiet", action="store_true", help="say nothing but errors")
     recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
 

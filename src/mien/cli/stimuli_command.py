@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mien.cli.progress_bar import progress_bar
+from mien.cli.view_options import add_view_options, given_view_options, view_of
 
 __all__ = ["add_commands"]
 
@@ -19,6 +20,7 @@ def add_commands(commands: Any) -> None:
     stimuli = commands.add_parser("stimuli", help="stimuli for experiments from a table of factors (docs/stimuli.md)")
     stimuli.add_argument("design", metavar="TABLE.csv", help="one row for each stimulus; levels a|b are crossed")
     stimuli.add_argument("--lists", type=int, default=0, help="also write so many counterbalanced lists")
+    add_view_options(stimuli)
     _add_work(stimuli)
     stimuli.add_argument(
         "--also", metavar="SUFFIX", action="append", default=[], help="write this format too, such as .glb; repeatable"
@@ -37,6 +39,7 @@ def add_commands(commands: Any) -> None:
         default=[],
         help="what is written for each line, such as .glb or .csv; repeatable (default .mp4)",
     )
+    add_view_options(batch)
     _add_work(batch)
     batch.set_defaults(run=_batch)
 
@@ -51,7 +54,18 @@ def _add_work(parser: Any) -> None:
 def _stimuli(options: argparse.Namespace) -> int:
     from mien.api.stimuli import read_design
 
-    return _make(read_design(options.design), options, options.lists, _suffixes(options.also), True)
+    design = read_design(options.design, _view_columns(options))
+    return _make(design, options, options.lists, _suffixes(options.also), True)
+
+
+def _view_columns(options: argparse.Namespace) -> dict[str, str]:
+    """The options of pictures, as the columns of a design have them."""
+    from mien.face.render.view import parse_size
+
+    given = given_view_options(options)
+    view_of(options)  # said before any line of the table is
+    width, height = parse_size(given.pop("size", "640x480"))
+    return given | ({"width": str(width), "height": str(height)} if options.size is not None else {})
 
 
 def _suffixes(given: list[str]) -> list[str]:
@@ -80,6 +94,9 @@ def _batch(options: argparse.Namespace) -> int:
         if not isinstance(span.intensity, float) or span.start is not None or span.end is not None:
             raise InputError("mien batch takes an emotion NAME or NAME:0..1; put others into the lines as tags")
         chosen |= {"emotion": span.name, "intensity": span.intensity}
+    chosen |= {
+        name: int(text) if name in ("width", "height") else text for name, text in _view_columns(options).items()
+    }
     stimuli = [
         Stimulus(
             f"line{number:05d}", line.strip(), seed=options.seed, where=f"{options.lines}, line {number}", **chosen

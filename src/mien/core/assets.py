@@ -17,7 +17,7 @@ from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.plain_text import read_plain_text
 
-__all__ = ["OWN_TABLES", "asset", "asset_table", "assets_folder", "assets_in", "own_folder", "own_tables"]
+__all__ = ["OWN_TABLES", "asset", "asset_table", "assets_folder", "assets_in", "own_folder", "own_tables", "read_table"]
 
 OWN_TABLES = "MIEN_TABLES"
 """Environment variable that names the folder of tables of one's own."""
@@ -83,11 +83,18 @@ def asset_table(path: str) -> dict[str, Any]:
 
 @cache
 def _table(path: Path) -> dict[str, Any]:
-    return _read(path)
+    return read_table(path)
 
 
 @guarded("a table")
-def _read(path: Path) -> dict[str, Any]:
+def read_table(path: Path) -> dict[str, Any]:
+    """A TOML file as nested dictionaries.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is no TOML.
+    """
     text, _ = read_plain_text(path, "a table")
     return tomllib.loads(text)
 

@@ -18,8 +18,7 @@ from mien.core.files import replace_when_complete
 from mien.core.utterance import PAUSE
 from mien.face.deformers import poser_for
 from mien.face.model import Face
-from mien.face.render.camera import Camera
-from mien.face.render.renderer import Renderer
+from mien.face.render.view import View
 
 __all__ = ["contact_sheet", "in_plain_letters", "key_frames", "write_contact_sheet"]
 
@@ -98,7 +97,9 @@ def key_frames(animation: Animation, most: int = _MOST) -> list[tuple[int, str]]
     return frames
 
 
-def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> tuple[Note, ...]:
+def write_contact_sheet(
+    animation: Animation, face: Face, path: str | Path, *, view: View | None = None
+) -> tuple[Note, ...]:
     """Render the key frames of an animation (`key_frames`) onto one PNG picture.
 
     Parameters
@@ -107,6 +108,8 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
     face : Face
     path : path-like
         Ends in ``.png``. Replaced if it exists.
+    view : View, optional
+        Of each picture; the head at 320 x 360 otherwise.
 
     Raises
     ------
@@ -120,8 +123,7 @@ def write_contact_sheet(animation: Animation, face: Face, path: str | Path) -> t
     if Path(path).suffix.lower() != ".png":
         raise OutputError(f"a contact sheet is written as .png, not {Path(path).suffix!r}: {path}")
     poser = poser_for(face, animation.channels.names)
-    width, height = _CELL
-    renderer = Renderer(face, width, height, Camera.head_shot(face, width / height))
+    renderer = (view or View(camera="head")).of_size(*_CELL).renderer(face)
     frames = key_frames(animation)
     images = [renderer.render(poser.pose(animation.channels.values[frame])) for frame, _ in frames]
     labels = [f"{in_plain_letters(label)}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]

@@ -9,14 +9,20 @@ from mien.animation.animation import Animation
 from mien.core.errors import Note
 from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.recognition import ForeignFace
+from mien.face.render.view import View
 from mien.formats.driven_glb import NAME, drive_glb
-from mien.formats.registry import GlbStyle, Progress, save
+from mien.formats.registry import GlbStyle, Progress, draws_pictures, save
 
 __all__ = ["save_on_foreign"]
 
 
 def save_on_foreign(
-    animation: Animation, target: Path, face: ForeignFace, progress: Progress | None, glb: GlbStyle | None = None
+    animation: Animation,
+    target: Path,
+    face: ForeignFace,
+    progress: Progress | None,
+    glb: GlbStyle | None = None,
+    view: View | None = None,
 ) -> tuple[Note, ...]:
     """Write one file, as `mien.formats.registry.save`, with a face of another maker."""
     if target.suffix.lower() == ".glb":
@@ -26,10 +32,10 @@ def save_on_foreign(
             told = f"{target.name}: --compact is for mien's own face; yours is written as it is"
             return (*notes, Note("warning", told))
         return notes
-    if target.suffix.lower() in (".mp4", ".png"):
+    if draws_pictures(target):
         drawn = drawn_face(face)
         shown = replace(animation, channels=drawn.track(animation.channels))
-        notes = save(shown, target, face=drawn.face, progress=progress)
+        notes = save(shown, target, face=drawn.face, view=view, progress=progress)
         return (*(Note("warning", fault) for fault in drawn.notes), *notes)
     if target.suffix.lower() in (".usda", ".usdc", ".usdz", ".c3d"):
         drawn = drawn_face(face)

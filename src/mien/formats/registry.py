@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note, unknown_name
@@ -15,13 +16,18 @@ from mien.core.files import check_writable
 from mien.core.plug_ins import plug_ins
 from mien.face.model import Face
 
+if TYPE_CHECKING:
+    from mien.face.render.view import View
+
 __all__ = [
     "EXPORTERS",
+    "FRAMES",
     "PLUG_INS",
     "Exporter",
     "GlbStyle",
     "Progress",
     "check_output",
+    "draws_pictures",
     "exporters",
     "save",
     "shows_face",
@@ -29,6 +35,9 @@ __all__ = [
 
 PLUG_INS = "mien.formats"
 """The group of entry points by which other packages bring formats; each entry point names an `Exporter`."""
+
+FRAMES = "%05d.png"
+"""The end of a name that stands for one picture a frame; any ``%0Nd`` does."""
 
 
 @dataclass(frozen=True)
@@ -69,20 +78,25 @@ class Exporter:
     shows_face : bool
         Whether it needs a `Face`.
     write : callable
-        Given the animation, the path, the face (None unless ``shows_face``) and the progress callback.
+        Given the animation, the path, the face (None unless ``shows_face``) and the progress callback; where ``draws``
+        also the `View`.
     check : callable
         Raises MissingPartError where a library that the format needs is not installed.
     companion : callable or None
         Given the path, the folder beside it in which the format keeps pictures and sound.
+    draws : callable or None
+        Of a format that draws the face: given the path and the `View`, raises InputError where the format cannot hold
+        it.
     """
 
     suffix: str
     title: str
     loses: str
     shows_face: bool
-    write: Callable[[Animation, Path, Face | None, Progress | None], tuple[Note, ...]]
+    write: Callable[..., tuple[Note, ...]]
     check: Callable[[], None] = lambda: None
     companion: Callable[[Path], Path] | None = None
+    draws: Callable[[Path, View], None] | None = None
 
 
 def _needed(face: Face | None) -> Face:
@@ -93,16 +107,53 @@ def _needed(face: Face | None) -> Face:
     return load_face("default")
 
 
-def _write_video(animation: Animation, path: Path, face: Face | None, progress: Progress | None) -> tuple[Note, ...]:
+def _write_video(
+    animation: Animation, path: Path, face: Face | None, progress: Progress | None, view: View | None
+) -> tuple[Note, ...]:
     from mien.formats.video import write_video
 
-    return write_video(animation, _needed(face), path, progress=progress)
+    return write_video(animation, _needed(face), path, view=view, progress=progress)
 
 
-def _write_contact_sheet(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+def _write_gif(
+    animation: Animation, path: Path, face: Face | None, progress: Progress | None, view: View | None
+) -> tuple[Note, ...]:
+    from mien.formats.picture_files import write_gif
+
+    return write_gif(animation, _needed(face), path, view=view, progress=progress)
+
+
+def _write_frames(
+    animation: Animation, path: Path, face: Face | None, progress: Progress | None, view: View | None
+) -> tuple[Note, ...]:
+    from mien.formats.picture_files import write_png_frames
+
+    return write_png_frames(animation, _needed(face), path, view=view, progress=progress)
+
+
+def _write_contact_sheet(
+    animation: Animation, path: Path, face: Face | None, _: Progress | None, view: View | None
+) -> tuple[Note, ...]:
     from mien.formats.contact_sheet import write_contact_sheet
 
-    return write_contact_sheet(animation, _needed(face), path)
+    return write_contact_sheet(animation, _needed(face), path, view=view)
+
+
+def _video_view(path: Path, view: View) -> None:
+    from mien.formats.video import check_film
+
+    check_film(path, view)
+
+
+def _frames_view(path: Path, _: View) -> None:
+    from mien.formats.picture_files import frame_files
+
+    frame_files(path, 0)
+
+
+def _sheet_view(path: Path, view: View) -> None:
+    if view.transparent:
+        raise InputError(f"{path}: a contact sheet lies on paper; for transparent pictures give NAME%05d.png")
 
 
 def _write_glb(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
@@ -177,9 +228,42 @@ EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
         ".mp4",
         "video with sound (H.264, AAC)",
+        "everything but one view and the sound, both compressed; transparency",
+        True,
+        _write_video,
+        draws=_video_view,
+    ),
+    Exporter(
+        ".webm",
+        "video with sound, also transparent (VP9, Opus)",
         "everything but one view and the sound, both compressed",
         True,
         _write_video,
+        draws=_video_view,
+    ),
+    Exporter(
+        ".mov",
+        "video with sound for editing, also transparent (ProRes, PCM)",
+        "everything but one view and the sound",
+        True,
+        _write_video,
+        draws=_video_view,
+    ),
+    Exporter(
+        ".gif",
+        "moving picture, also transparent",
+        "everything but one view in 256 colours, and the sound",
+        True,
+        _write_gif,
+        draws=lambda path, view: None,
+    ),
+    Exporter(
+        FRAMES,
+        "one picture for each frame, also transparent",
+        "everything but one view, and the sound",
+        True,
+        _write_frames,
+        draws=_frames_view,
     ),
     Exporter(
         ".png",
@@ -187,6 +271,7 @@ EXPORTERS: tuple[Exporter, ...] = (
         "all motion between the key frames, and the sound",
         True,
         _write_contact_sheet,
+        draws=_sheet_view,
     ),
     Exporter(
         ".glb",
@@ -261,7 +346,7 @@ def exporters() -> tuple[Exporter, ...]:
     Examples
     --------
     >>> [exporter.suffix for exporter in exporters()][:3]
-    ['.mp4', '.png', '.glb']
+    ['.mp4', '.webm', '.mov']
     """
     return EXPORTERS + _plugged_in()
 
@@ -279,6 +364,8 @@ def _plugged_in() -> tuple[Exporter, ...]:
 
 
 def _exporter(path: Path) -> Exporter:
+    if "%" in path.name and path.suffix.lower() == ".png":
+        return next(exporter for exporter in EXPORTERS if exporter.suffix == FRAMES)
     for exporter in EXPORTERS:  # other packages are looked up only where none of mien's own formats is meant
         if exporter.suffix.lower() == path.suffix.lower():
             return exporter
@@ -291,13 +378,13 @@ def _exporter(path: Path) -> Exporter:
     raise unknown_name("output format", path.suffix, names)
 
 
-def check_output(path: str | Path) -> Path:
-    """Say early, before long work, whether `save` could write ``path``; returns it as a Path.
+def check_output(path: str | Path, view: View | None = None) -> Path:
+    """Say early, before long work, whether `save` could write ``path`` so; returns it as a Path.
 
     Raises
     ------
     InputError
-        If the suffix is not that of a format.
+        If the suffix is not that of a format, or the format cannot hold the view.
     OutputError
         If the folder is missing or not writable.
     MissingPartError
@@ -311,7 +398,10 @@ def check_output(path: str | Path) -> Path:
     mien.core.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: .TextGrid, .c3d, ...
     """
     path = Path(path)
-    _exporter(path).check()
+    exporter = _exporter(path)
+    exporter.check()
+    if exporter.draws is not None and view is not None:
+        exporter.draws(path, view)
     return check_writable(path)
 
 
@@ -326,6 +416,17 @@ def shows_face(path: str | Path) -> bool:
     return _exporter(Path(path)).shows_face
 
 
+def draws_pictures(path: str | Path) -> bool:
+    """Whether what is written to ``path`` shows the face in pictures, from a `View`.
+
+    Examples
+    --------
+    >>> draws_pictures("line%05d.png"), draws_pictures("line.glb")
+    (True, False)
+    """
+    return _exporter(Path(path)).draws is not None
+
+
 def save(
     animation: Animation,
     path: str | Path,
@@ -333,6 +434,7 @@ def save(
     face: Face | None = None,
     progress: Progress | None = None,
     glb: GlbStyle | None = None,
+    view: View | None = None,
 ) -> tuple[Note, ...]:
     """Write an animation to a file; the suffix picks the format (`exporters`).
 
@@ -343,6 +445,8 @@ def save(
         Replaced if it exists; never left half-written.
     face : Face, optional
         For the formats that show one; the default face otherwise.
+    view : View, optional
+        For the formats that draw pictures; the portrait at 1280 x 720 otherwise (on contact sheets, heads).
     progress : callable, optional
         Called with (frames done, frames in all) while a video is made.
     glb : GlbStyle, optional
@@ -360,7 +464,9 @@ def save(
     OutputError
         If the file cannot be written.
     """
-    path = check_output(path)
+    path, exporter = check_output(path, view), _exporter(Path(path))
     if glb is not None and path.suffix.lower() == ".glb":
         return _styled_glb(animation, path, face, glb)
-    return _exporter(path).write(animation, path, face, progress)
+    if exporter.draws is None:
+        return exporter.write(animation, path, face, progress)
+    return exporter.write(animation, path, face, progress, view)

@@ -12,6 +12,7 @@ from mien.face.model import Face
 
 if TYPE_CHECKING:
     from mien.face.foreign.recognition import ForeignFace
+    from mien.face.render.view import View
     from mien.formats.registry import GlbStyle
 
 __all__ = ["save"]
@@ -24,6 +25,7 @@ def save(
     *paths: str | Path,
     face: str | Path | Face | ForeignFace | None = "default",
     names: str | Path | None = None,
+    view: View | None = None,
     progress: Progress | None = None,
     glb: GlbStyle | None = None,
 ) -> tuple[Note, ...]:
@@ -39,6 +41,8 @@ def save(
         ``.gltf``), which is driven by its own morph targets and written with everything else in it. None: the default.
     names : str, Path or None
         A table of names of your own for such a face (``docs/faces.md``).
+    view : View or None
+        Size, camera, light, background, crop and quality of pictures (`mien.face.render.view.View`).
     progress : callable (done, total) or None
         Called while frames are drawn.
     glb : GlbStyle or None
@@ -60,7 +64,7 @@ def save(
     from mien.formats.registry import check_output, shows_face
     from mien.formats.registry import save as save_one
 
-    targets = [check_output(path) for path in paths]
+    targets = [check_output(path, view) for path in paths]
     if face is not None and not isinstance(face, Face) and not is_named_face(face):
         from mien.face.foreign.gltf_document import is_gltf
         from mien.face.foreign.known_face import known_face, note_on_mouth
@@ -71,15 +75,13 @@ def save(
         if isinstance(face, ForeignFace):
             from mien.formats.foreign_faces import save_on_foreign
 
-            written = tuple(
-                note for target in targets for note in save_on_foreign(animation, target, face, progress, glb)
-            )
+            saved = [save_on_foreign(animation, target, face, progress, glb, view) for target in targets]
+            written = tuple(note for notes in saved for note in notes)
             return (*note_on_mouth(face), *written) if any(map(shows_face, targets)) else written
     if names is not None:
         raise InputError("names are for a face in .glb, .vrm or .gltf")
     if is_named_face(face) and not any(shows_face(target) for target in targets):
         face = None  # reading it takes longer than writing the file
     shown = load_face(face) if isinstance(face, (str, Path)) else face
-    return tuple(
-        note for target in targets for note in save_one(animation, target, face=shown, progress=progress, glb=glb)
-    )
+    each = [save_one(animation, target, face=shown, progress=progress, glb=glb, view=view) for target in targets]
+    return tuple(note for notes in each for note in notes)

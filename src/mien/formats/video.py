@@ -1,18 +1,20 @@
-"""``.mp4``: the performance as a video, H.264 with AAC sound.
+"""``.mp4``, ``.webm``, ``.mov``: the performance as a video with its sound.
 
-The picture is drawn in the calling thread while a second one encodes. Frame ``i`` is shown from ``i / fps``; the sound
-starts with frame 0 (the encoder's delay is written into the file, players and decoders take it off). The same input
-gives the same picture stream: the encoder runs with a fixed number of threads.
+H.264 with AAC, VP9 with Opus, ProRes with PCM; the last two can be transparent. The picture is drawn in the calling
+thread while a second one encodes. Frame ``i`` is shown from ``i / fps``; the sound starts with frame 0 (the encoder's
+delay is written into the file, players and decoders take it off). The same input gives the same picture stream: the
+encoders run with a fixed number of threads.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from queue import Queue
 from threading import Event, Thread
-from typing import Any, Protocol
+from typing import Any
 
 import av
 import numpy as np
@@ -20,31 +22,111 @@ from numpy.typing import NDArray
 
 from mien.animation.animation import Animation
 from mien.core.audio import Audio
-from mien.core.errors import InputError, Note, OutputError
+from mien.core.errors import InputError, MissingPartError, Note, OutputError
 from mien.core.files import replace_when_complete
-from mien.face.deformers import poser_for
 from mien.face.model import Face
-from mien.face.posing import PosedFace
-from mien.face.render.renderer import Renderer
+from mien.face.render.renderer import Picture
+from mien.face.render.view import TRANSPARENT, Pictures, View
+from mien.formats.drawn_frames import drawn_frames
 
-__all__ = ["Pictures", "write_frames", "write_video"]
+__all__ = ["FILMS", "Film", "check_film", "write_frames", "write_video"]
 
-Picture = NDArray[np.uint8]
-
-
-class Pictures(Protocol):
-    """What draws a posed face."""
-
-    def render(self, posed: PosedFace) -> Picture:
-        """Draw one."""
-        ...
-
-
-# Constant quality (lower is better), speed of the encoder, and seconds between frames that one can jump to.
-_QUALITY, _PRESET, _SECONDS_PER_KEY = "18", "veryfast", 2
-_AAC_RATES = (96000, 88200, 64000, 48000, 44100, 32000, 24000, 22050, 16000, 12000, 11025, 8000)
+_SECONDS_PER_KEY = 2  # a key picture so often, so that players can jump
 _SOUND_BITS_PER_SECOND = 128_000
 _WAITING = 4  # pictures drawn ahead of the encoder
+_BLOCK = 1024  # samples given to the sound's encoder at once, where it takes any number
+_AAC_RATES = (96000, 88200, 64000, 48000, 44100, 32000, 24000, 22050, 16000, 12000, 11025, 8000)
+_OPUS_RATES = (48000, 24000, 16000, 12000, 8000)
+
+
+@dataclass(frozen=True)
+class Film:
+    """A kind of video file.
+
+    Attributes
+    ----------
+    container : str
+        As FFmpeg calls it.
+    codec, clear_codec : str
+        Encoder of opaque and of transparent pictures; the latter is empty where there is none.
+    pixels, clear_pixels : str
+        How they are kept.
+    options : callable
+        Of the encoder, for a quality of `mien.face.render.view.QUALITIES`.
+    voice : str
+        Encoder of the sound.
+    rates : tuple of int
+        Sample rates it has; empty: all.
+    even : tuple of 2 int
+        Of what the width and the height are multiples.
+    """
+
+    container: str
+    codec: str
+    clear_codec: str
+    pixels: str
+    clear_pixels: str
+    options: Callable[[str], dict[str, str]]
+    voice: str
+    rates: tuple[int, ...]
+    even: tuple[int, int]
+
+
+def _h264(quality: str) -> dict[str, str]:
+    # Without mbtree: on processors with AVX it reads memory that was never written, so that small pictures came out in
+    # other bytes now and then (eleven variants in 200 runs of one input; without it one).
+    crf, preset = {"draft": ("26", "superfast"), "full": ("18", "veryfast"), "best": ("13", "medium")}[quality]
+    return {"crf": crf, "preset": preset, "threads": "1", "x264-params": "mbtree=0"}
+
+
+def _vp9(quality: str) -> dict[str, str]:
+    crf, speed = {"draft": ("40", "8"), "full": ("26", "6"), "best": ("18", "3")}[quality]
+    # auto-alt-ref goes with no transparency.
+    return {"crf": crf, "b": "0", "deadline": "good", "cpu-used": speed, "threads": "1", "auto-alt-ref": "0"}
+
+
+def _prores(quality: str) -> dict[str, str]:
+    return {
+        "quant_mat": "auto",
+        "vendor": "apl0",
+        "bits_per_mb": {"draft": "600", "full": "2000", "best": "4000"}[quality],
+    }
+
+
+FILMS: dict[str, Film] = {
+    ".mp4": Film("mp4", "libx264", "", "yuv420p", "", _h264, "aac", _AAC_RATES, (2, 2)),
+    ".webm": Film("webm", "libvpx-vp9", "libvpx-vp9", "yuv420p", "yuva420p", _vp9, "libopus", _OPUS_RATES, (2, 2)),
+    ".mov": Film("mov", "prores_ks", "prores_ks", "yuv422p10le", "yuva444p10le", _prores, "pcm_s24le", (), (2, 1)),
+}
+"""Kinds of video by their suffix."""
+
+
+def check_film(path: str | Path, view: View) -> None:
+    """Refuse what a kind of video cannot hold.
+
+    Raises
+    ------
+    InputError
+        If it has no transparency and the pictures have, or a side is odd.
+    OutputError
+        If the suffix is not one of `FILMS`.
+    MissingPartError
+        If FFmpeg came without the encoder.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in FILMS:
+        raise OutputError(f"a video is written as {', '.join(FILMS)}, not {suffix!r}: {path}")
+    film, (width, height) = FILMS[suffix], view.size
+    if view.transparent and not film.clear_codec:
+        raise InputError(f"{path}: {suffix} holds no transparency; give .webm, .mov, .gif or NAME%05d.png")
+    if width % film.even[0] or height % film.even[1]:
+        even = f"{width + width % film.even[0]} x {height + height % film.even[1]}"
+        raise InputError(
+            f"a video's sides are even numbers of pixels, not {width} x {height}; {even} would do, or NAME%05d.png"
+        )
+    codec = film.clear_codec if view.transparent else film.codec
+    if codec not in av.codec.codecs_available:
+        raise MissingPartError(f"{path}: this FFmpeg (of PyAV {av.__version__}) came without the encoder {codec}")
 
 
 def write_video(
@@ -52,25 +134,24 @@ def write_video(
     face: Face,
     path: str | Path,
     *,
-    width: int = 1280,
-    height: int = 720,
-    progress: Callable[[int, int], None] | None = None,
+    view: View | None = None,
     renderer: Pictures | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Note, ...]:
-    """Render an animation into an MP4 file with its sound.
+    """Render an animation into a video file with its sound.
 
     Parameters
     ----------
     animation : Animation
     face : Face
     path : path-like
-        Ends in ``.mp4``. Replaced if it exists; never left half-written.
-    width, height : int
-        Pixels, both even.
+        Ends in one of `FILMS`. Replaced if it exists; never left half-written.
+    view : View, optional
+        The portrait at 1280 x 720 otherwise.
+    renderer : Pictures, optional
+        What ``view.renderer(face)`` gave, where it serves several files.
     progress : callable, optional
         Called with (frames done, frames in all).
-    renderer : Renderer or what renders like one, optional
-        Of this face, ``width`` and ``height``; the portrait otherwise.
 
     Returns
     -------
@@ -80,97 +161,101 @@ def write_video(
     Raises
     ------
     InputError
-        If the animation has no frames, or a side is odd or out of range.
+        If the animation has no frames, or the kind of file cannot hold the view (`check_film`).
     OutputError
         If the file cannot be written.
     """
-    track = animation.channels
-    if len(track) == 0:
-        raise InputError(f"cannot write {path}: the animation has no frames")
-    _check_size(width, height)
-    poser, renderer = poser_for(face, track.names), renderer or Renderer(face, width, height)
-
-    def pictures() -> Iterator[Picture]:
-        for number, row in enumerate(track.values):
-            yield renderer.render(poser.pose(row))
-            if progress is not None:
-                progress(number + 1, len(track))
-
-    return write_frames(pictures(), animation.rate.fraction, animation.utterance.audio, path, (width, height))
+    view = view or View()
+    check_film(path, view)
+    pictures = drawn_frames(animation, face, path, renderer or view.renderer(face), progress)
+    sound, fps = animation.utterance.audio, animation.rate.fraction
+    return write_frames(pictures, fps, sound, path, view.size, view.transparent, view.quality)
 
 
 def write_frames(
-    pictures: Iterator[Picture], fps: Fraction, sound: Audio, path: str | Path, size: tuple[int, int]
+    pictures: Iterator[Picture],
+    fps: Fraction,
+    sound: Audio,
+    path: str | Path,
+    size: tuple[int, int],
+    transparent: bool = False,
+    quality: str = "full",
 ) -> tuple[Note, ...]:
-    """Write pictures and a sound that start together as an MP4 file.
+    """Write pictures and a sound that start together as a video file.
 
     Parameters
     ----------
-    pictures : iterator of ndarray of uint8, shape (height, width, 3)
-        sRGB.
+    pictures : iterator of ndarray of uint8, shape (height, width, 3 or 4)
+        sRGB; a fourth number is opacity.
     fps : Fraction
         Pictures per second.
     sound : Audio
         May be empty; then the file has no sound track.
     path : path-like
-        Ends in ``.mp4``.
+        Ends in one of `FILMS`.
     size : tuple of 2 int
-        Width and height of the pictures, both even.
+        Width and height of the pictures.
+    transparent : bool
+        Whether the pictures have an opacity, and the file is to keep it.
+    quality : str
+        One of `mien.face.render.view.QUALITIES`.
 
     Raises
     ------
     InputError
-        If a side is odd.
+        If the kind of file cannot hold such pictures (`check_film`).
     OutputError
-        If the suffix is not ``.mp4``, or the file cannot be written.
+        If the suffix is not known, or the file cannot be written.
     """
-    _check_size(*size)
-    if Path(path).suffix.lower() != ".mp4":
-        raise OutputError(f"a video is written as .mp4, not {Path(path).suffix!r}: {path}")
-    sound, notes = _encodable(sound)
+    check_film(path, View(*size, background=TRANSPARENT if transparent else "", quality=quality))
+    film = FILMS[Path(path).suffix.lower()]
+    sound, notes = _encodable(sound, film)
+    options = {"fflags": "+bitexact"}  # no times of day or random numbers in the file
+    options |= {"movflags": "+faststart"} if film.container in ("mp4", "mov") else {}
     with replace_when_complete(path) as unfinished:
         try:
-            with av.open(str(unfinished), "w", format="mp4", options={"movflags": "+faststart"}) as container:
-                video = _video_stream(container, fps, size)
-                voice = _sound_stream(container, sound.rate) if len(sound) else None
+            with av.open(str(unfinished), "w", format=film.container, options=options) as container:
+                video = _video_stream(container, film, fps, size, transparent, quality)
+                voice = _sound_stream(container, film, sound.rate) if len(sound) else None
                 _encode(container, video, voice, pictures, fps, sound)
         except av.FFmpegError as problem:
             raise OSError(problem.errno, problem.strerror) from problem
     return notes
 
 
-def _check_size(width: int, height: int) -> None:
-    if width % 2 or height % 2:
-        even = f"{width + width % 2} x {height + height % 2}"
-        raise InputError(f"a video's sides are even numbers of pixels, not {width} x {height}; {even} would do")
-
-
-def _encodable(sound: Audio) -> tuple[Audio, tuple[Note, ...]]:
-    """The sound at a rate that AAC has."""
-    if sound.rate in _AAC_RATES:
+def _encodable(sound: Audio, film: Film) -> tuple[Audio, tuple[Note, ...]]:
+    """The sound at a rate that the encoder has."""
+    if not film.rates or sound.rate in film.rates:
         return sound, ()
-    rate = 44100 if 44100 % sound.rate == 0 else 48000
-    message = f"AAC has no sample rate of {sound.rate} Hz; the video's sound has {rate} Hz"
+    rate = 44100 if 44100 in film.rates and 44100 % sound.rate == 0 else 48000
+    name = {"aac": "AAC", "libopus": "Opus"}[film.voice]
+    message = f"{name} has no sample rate of {sound.rate} Hz; the video's sound has {rate} Hz"
     return sound.resampled(rate), (Note("note", message),)
 
 
-def _video_stream(container: Any, fps: Fraction, size: tuple[int, int]) -> Any:
-    stream = container.add_stream("libx264", rate=fps)
+def _video_stream(
+    container: Any, film: Film, fps: Fraction, size: tuple[int, int], transparent: bool, quality: str
+) -> Any:
+    stream = container.add_stream(film.clear_codec if transparent else film.codec, rate=fps)
     stream.width, stream.height = size
-    stream.pix_fmt = "yuv420p"
+    stream.pix_fmt = film.clear_pixels if transparent else film.pixels
     context = stream.codec_context
     context.color_range = 1  # 16..235
     context.color_primaries = context.color_trc = context.colorspace = 1  # BT.709
     context.gop_size = max(1, round(fps * _SECONDS_PER_KEY))
-    # Without mbtree: on processors with AVX it reads memory that was never written, so that small pictures came out in
-    # other bytes now and then (eleven variants in 200 runs of one input; without it one).
-    stream.options = {"crf": _QUALITY, "preset": _PRESET, "threads": "1", "x264-params": "mbtree=0"}
+    stream.options = film.options(quality)
+    if film.codec == "prores_ks":
+        context.gop_size = 1
+        stream.options = {**stream.options, "profile": "4444" if transparent else "hq"}
     return stream
 
 
-def _sound_stream(container: Any, rate: int) -> Any:
-    stream = container.add_stream("aac", rate=rate, layout="mono")
-    stream.bit_rate = min(_SOUND_BITS_PER_SECOND, 5 * rate)
+def _sound_stream(container: Any, film: Film, rate: int) -> Any:
+    stream = container.add_stream(film.voice, rate=rate, layout="mono")
+    if film.voice == "libopus":
+        stream.codec_context.format = "flt"
+    if film.rates:
+        stream.bit_rate = min(_SOUND_BITS_PER_SECOND, 5 * rate)
     return stream
 
 
@@ -215,8 +300,8 @@ def _encode_pictures(
     """Encode pictures as they come, each followed by the sound up to its end, so that the tracks lie side by side."""
     blocks = _SoundBlocks(container, voice, sound)
     for number, picture in fed:
-        frame = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
-            format="yuv420p",
+        frame = av.VideoFrame.from_ndarray(picture, format="rgba" if picture.shape[2] == 4 else "rgb24").reformat(
+            format=video.pix_fmt,
             src_colorspace="ITU709",
             dst_colorspace="ITU709",
             src_color_range="JPEG",
@@ -233,20 +318,30 @@ def _encode_pictures(
 
 
 class _SoundBlocks:
-    """Feeds a sound to its encoder in the blocks of 1024 samples that AAC takes."""
+    """Feeds a sound to its encoder in the blocks that it takes, the last one shorter or filled up with silence."""
 
     def __init__(self, container: Any, stream: Any | None, sound: Audio) -> None:
         self.container, self.stream, self.sound = container, stream, sound
-        self.done = 0
+        self.done, self.size, self.form = 0, _BLOCK, "fltp"
+        if stream is not None:
+            stream.codec_context.open()  # what size of block it takes is known from here on
+            self.size = stream.codec_context.frame_size or _BLOCK
+            self.form = stream.codec_context.format.name
 
     def write_until(self, sample: int) -> None:
         """Encode whole blocks up to ``sample``; at the end of the sound also the last, shorter one."""
         if self.stream is None:
             return
         end = min(sample, len(self.sound))
-        while self.done < end and (self.done + 1024 <= end or end == len(self.sound)):
-            piece = self.sound.samples[self.done : min(self.done + 1024, end)]
-            block = av.AudioFrame.from_ndarray(np.ascontiguousarray(piece[None]), format="fltp", layout="mono")
+        while self.done < end and (self.done + self.size <= end or end == len(self.sound)):
+            piece = self.sound.samples[self.done : min(self.done + self.size, end)]
+            block = av.AudioFrame.from_ndarray(self._numbers(piece), format=self.form, layout="mono")
             block.sample_rate, block.pts, block.time_base = self.sound.rate, self.done, Fraction(1, self.sound.rate)
             self.container.mux(self.stream.encode(block))
             self.done += len(piece)
+
+    def _numbers(self, samples: NDArray[Any]) -> NDArray[Any]:
+        if self.form.startswith("flt"):
+            return np.ascontiguousarray(samples[None], dtype=np.float32)
+        whole: NDArray[Any] = np.rint(np.clip(samples, -1, 1)[None] * (2**31 - 1)).astype(np.int32)
+        return whole

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
 
 from mien.core.errors import InputError
-from mien.face.model import Face
-from mien.face.render.camera import Camera
+from mien.face.model import Face, Material, Part
+from mien.face.posing import Poser
+from mien.face.render.camera import Camera, known_cameras
 from mien.face.render.colour import KNEE, SRGB_BYTES, SRGB_STEPS, linear_from_srgb, tone
-from mien.face.render.lighting import Lighting
+from mien.face.render.lighting import Lighting, known_lightings
+from mien.face.render.view import View
 from tests.faces import tiny_face
 
 
@@ -47,10 +51,72 @@ def test_impossible_cameras_and_faces_are_refused():
         Camera((0, 0, 0), 0, 100)
     with pytest.raises(InputError, match="pitch"):
         Camera((0, 0, 0), 100, 100, pitch=90)
-    face = tiny_face()
-    still = tuple(replace(p, head_weight=np.zeros(len(p.vertices), np.float32)) for p in face.parts)
-    with pytest.raises(InputError, match="no head to frame"):
-        Camera.portrait(Face("stone", still, (), (0, 0, 0), {}, ""))
+    nothing = replace(tiny_face(), parts=())
+    with pytest.raises(InputError, match="nothing to frame"):
+        Camera.portrait(nothing)
+
+
+@pytest.mark.parametrize("side", [0.2, 100.0, 9000.0])
+@pytest.mark.parametrize("name", known_cameras())
+def test_a_mesh_of_any_size_is_framed_by_every_camera(side, name):
+    """A box without eyes, off its origin: whole pictures hold it, close-ups show it."""
+    corners = np.array(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), np.float32).reshape(3, -1).T
+    vertices, ones = np.float32(side / 2) * (corners + np.float32([3, 2, -1])), np.ones((8, 3), np.float32)
+    quads = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    box = Part("box", vertices, triangles, ones[:, :2], ones, Material("box"), ones[:, 0])
+    face = Face("box", (box,), (), (0, 0, 0), {}, "")
+    view = View(96, 64, camera=name, background="transparent")
+    shown = view.renderer(face).render(Poser(face, ()).pose([]))[..., 3] > 0
+    assert shown.mean() > 0.1
+    if name not in ("mouth", "eyes", "oval"):
+        assert not shown[[0, -1]].any()
+        assert not shown[:, [0, -1]].any()
+
+
+def test_a_table_of_ones_own_is_a_camera_and_a_light(tmp_path):
+    folder = resources.files("mien") / "assets" / "render"
+    text = (folder / "cameras" / "portrait.toml").read_text()
+    (tmp_path / "low.toml").write_text(text.replace("pitch = 0", "pitch = -20"))
+    assert Camera.named(str(tmp_path / "low.toml"), tiny_face()).pitch == -20
+    (tmp_path / "dim.toml").write_text((folder / "lights" / "soft.toml").read_text().replace("= 1.0", "= 0.25", 1))
+    assert Lighting.named(str(tmp_path / "dim.toml")).exposure == 0.25
+
+
+def test_a_new_table_in_the_folder_is_a_new_name(tmp_path, monkeypatch):
+    for kind in ("cameras", "lights"):
+        (tmp_path / "render" / kind).mkdir(parents=True)
+        given = resources.files("mien") / "assets" / "render" / kind / "portrait.toml"
+        (tmp_path / "render" / kind / "mine.toml").write_text(given.read_text())
+    monkeypatch.setenv("MIEN_TABLES", str(tmp_path))
+    assert "mine" in known_cameras()
+    assert "mine" in known_lightings()
+    view = View(64, 64, camera="mine", light="mine")
+    assert view.renderer(tiny_face()).camera == Camera.portrait(tiny_face(), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "said"),
+    [
+        ("cameras", ("yaw = 0", ""), "x.toml: the field 'yaw' is missing"),
+        ("cameras", ("yaw = 0", "yaw = 0\nzoom = 2"), "unknown field 'zoom'"),
+        ("cameras", ("pitch = 0", "pitch = 90"), "pitch lies between -90 and 90"),
+        ("cameras", ("height = 2.75", "height = -1"), "height lies between"),
+        ("cameras", ("height = 2.75", 'height = "tall"'), "height is a number, not 'tall'"),
+        ("cameras", ("centre =", "centre = ="), "x.toml"),
+        ("lights", ("exposure = 1.0", "exposure = inf"), "exposure is a number, not inf"),
+        ("lights", ("lights = 8", "lights = 1e9"), "a dome has 1 to 64 lights"),
+        ("lights", ("colour = [1.32, 1.23, 1.13]", "colour = [1.32, 1.23]"), "key colour is 3 numbers"),
+        ("lights", ("direction = [0.52, 0.50, 0.80]", "direction = [0, 0, 0]"), "points nowhere"),
+    ],
+)
+def test_tables_that_cannot_be_used_are_one_line(kind, change, said, tmp_path):
+    text = (resources.files("mien") / "assets" / "render" / kind / "portrait.toml").read_text()
+    assert change[0] in text
+    (tmp_path / "x.toml").write_text(text.replace(*change, 1))
+    with pytest.raises(InputError, match=re.escape(said)) as problem:
+        View(**{kind.removesuffix("s"): str(tmp_path / "x.toml")})
+    assert "\n" not in str(problem.value)
 
 
 def test_srgb_and_linear_undo_each_other():

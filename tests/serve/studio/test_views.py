@@ -12,7 +12,7 @@ def test_every_camera_and_light_gives_a_picture_of_its_own():
     face = load_face("default")
     posed = Poser(face, ("jawOpen",)).pose([0.3])
     shown = [Shown(camera=camera) for camera in CAMERAS] + [Shown(light=light) for light in LIGHTS[1:]]
-    pictures = [one.renderer(face, 64, 48).render(posed) for one in shown]
+    pictures = [one.view().of_size(64, 48).renderer(face).render(posed) for one in shown]
     assert all(picture.std() > 5 for picture in pictures)
     for number, one in enumerate(pictures):
         assert all((one != other).any() for other in pictures[:number])

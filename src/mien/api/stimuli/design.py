@@ -10,10 +10,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from mien.api.stimuli.framing import background_colour, check_crop
 from mien.core.errors import InputError, unknown_name
 from mien.core.limits import check_size
 from mien.core.tables import read_rows
+from mien.face.render.view import TRANSPARENT, View
+from mien.formats.video import check_film
 from mien.text.effort_spans import parse_effort
 
 __all__ = ["COLUMNS", "Stimulus", "read_design"]
@@ -44,9 +45,9 @@ class Stimulus:
     still_ms : str
         Empty for a video; else the time of the one picture.
     crop : str
-        What of the face is seen, one of `mien.api.stimuli.framing.CROPS`.
-    background : str
-        A colour (``#808080``, ``black``); empty: the studio's.
+        What of the face is seen: ``oval``, the name of a camera, or pixels as `View` has it.
+    background, camera, light, quality : str
+        As `mien.face.render.view.View` has them; empty: as usual.
     where : str
         The file and line it comes from, for messages.
     """
@@ -64,6 +65,9 @@ class Stimulus:
     still_ms: str = ""
     crop: str = "portrait"
     background: str = ""
+    camera: str = ""
+    light: str = ""
+    quality: str = ""
     fps: str = "25"
     seed: int = 0
     performer: str = "default"
@@ -75,7 +79,18 @@ class Stimulus:
     @property
     def file(self) -> str:
         """The name of its video or picture."""
-        return f"{self.name}.{'png' if self.still_ms else 'mp4'}"
+        moving = "webm" if self.background == TRANSPARENT else "mp4"
+        return f"{self.name}.{'png' if self.still_ms else moving}"
+
+    @property
+    def view(self) -> View:
+        """How it is pictured."""
+        cut = self.crop == "oval" or self.crop[:1].isdigit()
+        if not cut and self.camera and self.crop != "portrait":
+            raise InputError(f"crop {self.crop} and camera {self.camera} both say what is seen: give one of them")
+        camera, crop = (self.camera, self.crop) if cut else (self.camera or self.crop, "")
+        light, quality = self.light or "portrait", self.quality or "full"
+        return View(self.width, self.height, camera, light, self.background, crop, quality)
 
     def settings(self) -> dict[str, Any]:
         """The columns with their values."""
@@ -88,11 +103,11 @@ _NUMBERS: dict[str, Callable[[str], float | int]] = {
 }  # fmt: skip
 
 
-def read_design(path: str | Path) -> tuple[Stimulus, ...]:
+def read_design(path: str | Path, usual: Mapping[str, str] | None = None) -> tuple[Stimulus, ...]:
     """The stimuli of a table: CSV with commas or semicolons (the first line tells), or TSV by its suffix.
 
     Levels in one cell are separated by ``|`` and crossed with those of the other cells of the row; several rows list
-    what is not crossed.
+    what is not crossed. ``usual`` says what cells hold that are empty or whose column is missing.
 
     Raises
     ------
@@ -111,7 +126,7 @@ def read_design(path: str | Path) -> tuple[Stimulus, ...]:
         raise InputError(f"{path}, line 1: the column 'sentence' is missing; known: {', '.join(COLUMNS)}")
     found: dict[str, Stimulus] = {}
     for line, row in rows:
-        for stimulus in _crossed(header, row, f"{path}, line {line}", len(found)):
+        for stimulus in _crossed(header, row, f"{path}, line {line}", len(found), usual or {}):
             if stimulus.name in found:
                 raise InputError(
                     f"{stimulus.where}: the name {stimulus.name!r} is used at {found[stimulus.name].where} too"
@@ -131,7 +146,9 @@ def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     return header, rows
 
 
-def _crossed(header: Sequence[str], row: Sequence[str], where: str, before: int) -> Iterable[Stimulus]:
+def _crossed(
+    header: Sequence[str], row: Sequence[str], where: str, before: int, usual: Mapping[str, str]
+) -> Iterable[Stimulus]:
     if len(row) != len(header):
         raise InputError(
             f"{where}: expected as many cells as the first line has ({len(header)}), found {len(row)}; a text with the "
@@ -140,7 +157,10 @@ def _crossed(header: Sequence[str], row: Sequence[str], where: str, before: int)
     given = {name: cell.strip() for name, cell in zip(header, row, strict=True) if cell.strip()}
     if "sentence" not in given:
         raise InputError(f"{where}: the sentence is empty")
-    levels = {name: [level.strip() for level in value.split("|")] for name, value in given.items()}
+    levels = {
+        name: [level.strip() or usual.get(name, "") for level in value.split("|")] for name, value in given.items()
+    }
+    levels = {name: [value] for name, value in usual.items()} | levels
     check_size("stimuli", math.prod(map(len, levels.values())), where)
     crossed = list(itertools.product(*levels.values()))
     for number, values in enumerate(crossed, start=1):
@@ -181,7 +201,6 @@ def _check(stimulus: Stimulus) -> None:
         (0.25 <= stimulus.rate <= 4, f"rate lies between 0.25 and 4, not {stimulus.rate:g}"),
         (abs(stimulus.offset_ms) <= 10_000, f"offset_ms lies within 10 s, not {stimulus.offset_ms:g}"),
         (stimulus.seed >= 0, f"seed is 0 or more, not {stimulus.seed}"),
-        (stimulus.width % 2 == 0 and stimulus.height % 2 == 0, "width and height are even numbers of pixels"),
         (not stimulus.still_ms or re.fullmatch(r"\d+(\.\d+)?", stimulus.still_ms), "still_ms is milliseconds"),
     )
     for right, message in checks:
@@ -189,5 +208,6 @@ def _check(stimulus: Stimulus) -> None:
             raise InputError(message)
     if stimulus.effort not in ("", "off"):
         parse_effort(stimulus.effort)
-    check_crop(stimulus.crop)
-    background_colour(stimulus.background)
+    view = stimulus.view
+    if not stimulus.still_ms:
+        check_film(stimulus.file, view)

@@ -18,14 +18,15 @@ from typing import Any
 
 from mien.animation.animation import Animation
 from mien.api.stimuli.design import Stimulus, read_design
-from mien.api.stimuli.framing import Framing, framing
 from mien.api.stimuli.row_lists import counterbalanced, write_list
 from mien.api.stimuli.row_performance import performed
 from mien.core.errors import InputError, MienError, OutputError
 from mien.core.files import held_alone, replace_when_complete
 from mien.corpus.workers import each
 from mien.face.model import Face
+from mien.face.render.view import Pictures, View
 from mien.formats.registry import check_output, save
+from mien.formats.video import check_film
 
 __all__ = ["StimuliReport", "fingerprint", "make_stimuli"]
 
@@ -108,8 +109,7 @@ def make_stimuli(
         jobs = [_Job(stimulus, str(folder), tuple(formats), picture) for stimulus in stimuli]
         if not picture and not formats:
             raise InputError("nothing is to be written: name a format")
-        for suffix in formats:
-            check_output(folder / f"x{suffix}")
+        _check_views(stimuli, folder, formats, picture)
         # What is known of each is read once; a design may have thousands of rows.
         facts = {job.stimulus.name: known for job in jobs if (known := _finished(job)) is not None}
         kept = tuple(facts)
@@ -133,6 +133,18 @@ def make_stimuli(
             write_list(members, facts, folder / f"list-{number}.csv")
         warned = tuple((name, told) for name in sorted(made) for told in facts[name]["warnings"])
         return StimuliReport(tuple(sorted(made)), kept, tuple(sorted(failed)), warned)
+
+
+def _check_views(stimuli: Sequence[Stimulus], folder: Path, formats: Sequence[str], picture: bool) -> None:
+    """Refuse what a format cannot hold before anything is made."""
+    for suffix in formats:
+        if suffix.startswith("%"):
+            raise InputError(f"{suffix}: stimuli are one file of each format; for frames give mien say -o NAME{suffix}")
+        for view in {stimulus.view for stimulus in stimuli} or {View()}:
+            check_output(folder / f"x{suffix}", view)
+    for stimulus in {(stimulus.view, bool(stimulus.still_ms)): stimulus for stimulus in stimuli}.values():
+        if picture and not stimulus.still_ms:
+            check_film(stimulus.file, stimulus.view)
 
 
 def _made(folder: Path) -> Path:
@@ -177,8 +189,8 @@ def _face(name: str, _content: str) -> Face:
 
 
 @lru_cache(maxsize=2)
-def _framing(face: str, content: str, crop: str, background: str, width: int, height: int) -> Framing:
-    return framing(_face(face, content), crop, background, width, height)
+def _renderer(face: str, content: str, view: View) -> Pictures:
+    return view.renderer(_face(face, content))
 
 
 def _make(job: _Job) -> dict[str, Any]:
@@ -190,7 +202,9 @@ def _make(job: _Job) -> dict[str, Any]:
         notes = list(animation.notes)
         for name, suffix in job.files().items():
             if suffix:
-                notes += save(animation, folder / name, face=_face(stimulus.face, _content(stimulus.face)))
+                notes += save(
+                    animation, folder / name, face=_face(stimulus.face, _content(stimulus.face)), view=stimulus.view
+                )
             else:
                 _write_picture(stimulus, animation, folder / name)
         _write_log(animation, heard, log)
@@ -215,12 +229,11 @@ def _make(job: _Job) -> dict[str, Any]:
 
 def _write_picture(stimulus: Stimulus, animation: Animation, path: Path) -> None:
     face = _face(stimulus.face, _content(stimulus.face))
-    size = stimulus.width, stimulus.height
-    frame = _framing(stimulus.face, _content(stimulus.face), stimulus.crop, stimulus.background, *size)
+    frame = _renderer(stimulus.face, _content(stimulus.face), stimulus.view)
     if not stimulus.still_ms:
         from mien.formats.video import write_video
 
-        write_video(animation, face, path, width=stimulus.width, height=stimulus.height, renderer=frame)
+        write_video(animation, face, path, view=stimulus.view, renderer=frame)
         return
     from PIL import Image
 

@@ -7,20 +7,19 @@ of the picture in the plane of the target, so that moving the camera away change
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.face.model import Face
+from mien.face.render.tables import fields_of, known_tables, numbers, table_of
 
-__all__ = ["Camera", "head_extent"]
+__all__ = ["Camera", "HeadExtent", "camera_table", "head_extent", "known_cameras"]
 
-# The eyes lie about half-way up a head; so the crown's height over the eyes, times these, frames head and shoulders.
-_FIELD, _CENTRE, _WIDTH = 2.75, -0.2, 2.0
-_HEAD_FIELD, _HEAD_CENTRE, _HEAD_WIDTH = 2.25, -0.03, 2.0
+_FIELDS = ("centre", "depth", "height", "width", "distance", "yaw", "pitch")
 _HAIR = 1.12  # crown of the head with hair, of the crown of the skin
-_DISTANCE_MM = 1100.0  # a portrait lens's distance
 
 
 @dataclass(frozen=True)
@@ -54,34 +53,59 @@ class Camera:
             raise InputError(f"a camera's pitch lies between -90 and 90 degrees, not {self.pitch:g}")
 
     @classmethod
+    def named(cls, name: str | Path, face: Face, aspect: float = 16 / 9) -> Camera:
+        """A camera of ``assets/render/cameras``, or of a table of the user's, set up before a face.
+
+        Parameters
+        ----------
+        name : str or Path
+            One of `known_cameras`, or a ``.toml`` file with the same fields.
+        face : Face
+        aspect : float
+            Width / height of the picture.
+
+        Raises
+        ------
+        InputError
+            If there is no such camera, or its table cannot be used.
+        """
+        table = camera_table(name)
+        extent = head_extent(face)
+        (across, up), crown = table["centre"], extent.crown
+        target = (
+            extent.middle + across * crown,
+            extent.eyes + up * crown,
+            extent.back + table["depth"][0] * (extent.front - extent.back),
+        )
+        field = crown * max(table["height"][0], table["width"][0] / aspect)
+        return cls(target, table["distance"][0] * crown, field, table["yaw"][0], table["pitch"][0])
+
+    @classmethod
     def portrait(cls, face: Face, aspect: float = 16 / 9) -> Camera:
         """Head and shoulders, centred, for a picture of ``aspect`` = width / height."""
-        crown, middle, front = head_extent(face)
-        field = _FIELD * crown
-        return cls((middle, _CENTRE * crown, front / 2), _DISTANCE_MM, max(field, _WIDTH * crown / aspect))
+        return cls.named("portrait", face, aspect)
 
     @classmethod
     def head_shot(cls, face: Face, aspect: float = 1.0) -> Camera:
         """The head alone, as large as it goes with room to turn."""
-        crown, middle, front = head_extent(face)
-        field = max(_HEAD_FIELD * crown, _HEAD_WIDTH * crown / aspect)
-        return cls((middle, _HEAD_CENTRE * crown, front / 2), _DISTANCE_MM, field)
+        return cls.named("head", face, aspect)
 
     @classmethod
     def close_up(cls, face: Face, aspect: float = 16 / 9) -> Camera:
         """The mouth and what moves with it, from just below the eyes to the chin."""
-        crown, middle, front = head_extent(face)
-        return cls((middle, -0.58 * crown, front), _DISTANCE_MM / 2, max(0.9 * crown, 0.9 * crown / aspect))
-
-    @classmethod
-    def eyes(cls, face: Face, aspect: float = 16 / 9) -> Camera:
-        """The eyes and brows."""
-        crown, middle, front = head_extent(face)
-        return cls((middle, 0.06 * crown, front), _DISTANCE_MM / 2, max(0.55 * crown, 1.2 * crown / aspect))
+        return cls.named("mouth", face, aspect)
 
     def turned(self, yaw: float, pitch: float = 0.0) -> Camera:
         """The same camera gone round its target by further degrees."""
         return replace(self, yaw=self.yaw + yaw, pitch=self.pitch + pitch)
+
+    def scaled(self, scale: float) -> Camera:
+        """The same view of a face that is so many times as large."""
+        if scale == 1:
+            return self
+        x, y, z = self.target
+        target = scale * x, scale * y, scale * z
+        return replace(self, target=target, distance=scale * self.distance, field_mm=scale * self.field_mm)
 
     def axes(self) -> NDArray[np.float64]:
         """Rows: the picture's right, its up, and the way from the target to the camera; shape (3, 3)."""
@@ -99,15 +123,75 @@ class Camera:
         return height * self.distance / self.field_mm
 
 
-def head_extent(face: Face) -> tuple[float, float, float]:
-    """Height of the crown over the eyes, middle across, and front, of what turns with the head; mm."""
+@dataclass(frozen=True)
+class HeadExtent:
+    """Where a head lies and how large it is, mm.
+
+    Attributes
+    ----------
+    crown : float
+        Height of its top over the eyes; of a face without eyes, about half of its size.
+    middle, eyes : float
+        Its middle across, and the height of its eyes (or of its middle).
+    back, front : float
+        Of what turns with the head.
+    """
+
+    crown: float
+    middle: float
+    eyes: float
+    back: float
+    front: float
+
+
+def head_extent(face: Face) -> HeadExtent:
+    """Measure what turns with the head; all of the face where nothing does.
+
+    Raises
+    ------
+    InputError
+        If the face is a point or empty.
+    """
     moved = [part.vertices[part.head_weight > 0.5] for part in face.parts]
-    points = np.concatenate([piece for piece in moved if len(piece)] or [np.zeros((1, 3), np.float32)])
-    low, high = points.min(axis=0), points.max(axis=0)
-    crown = float(high[1]) if high[1] > 0 else float(high[1] - low[1]) / 2
-    skin = [part.vertices for part in face.parts if part.name == "skin"]
-    if skin and skin[0][:, 1].max() > 0:  # hair that stands up does not make a face smaller
-        crown = min(crown, _HAIR * float(skin[0][:, 1].max()))
-    if not crown > 0:
-        raise InputError(f"face {face.name!r} has no head to frame: no vertex with head_weight above 0.5 and a height")
-    return crown, float(low[0] + high[0]) / 2, float(high[2])
+    pieces = [piece for piece in moved if len(piece)] or [part.vertices for part in face.parts if len(part.vertices)]
+    points = np.concatenate([*pieces, np.zeros((0, 3), np.float32)])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points) or not np.ptp(points, axis=0).any():
+        raise InputError(f"face {face.name!r} has nothing to frame: no two vertices lie apart")
+    (left, low, back), (right, high, front) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    if face.eyes and high > 0:
+        skin = max((float(part.vertices[:, 1].max()) for part in face.parts if part.name == "skin"), default=0.0)
+        crown = min(high, _HAIR * skin) if skin > 0 else high  # hair that stands up does not make a face smaller
+        return HeadExtent(crown, (left + right) / 2, 0.0, back, front)
+    sides = np.array([right - left, high - low, front - back])
+    half = float(sides.max() + np.linalg.norm(sides)) / 4  # between half a side and half the diagonal: it may be turned
+    return HeadExtent(half, (left + right) / 2, (low + high) / 2, back, front)
+
+
+def known_cameras() -> tuple[str, ...]:
+    """Names of the cameras that come with mien, the usual one first.
+
+    Examples
+    --------
+    >>> known_cameras()
+    ('portrait', 'below', 'eyes', 'head', 'mouth', 'oval', 'side', 'three-quarter')
+    """
+    return known_tables("cameras")
+
+
+def camera_table(name: str | Path) -> dict[str, list[float]]:
+    """The fields of a camera as lists of numbers, checked.
+
+    Raises
+    ------
+    InputError
+        If there is no such camera, or a field is missing, not known, or out of range.
+    """
+    table = fields_of(table_of("cameras", name), _FIELDS, name)
+    read = {field: numbers(table[field], 2 if field == "centre" else 1, field, name) for field in _FIELDS}
+    for field in ("height", "width", "distance"):
+        if not 0.01 <= read[field][0] <= 1000:
+            raise InputError(f"{name}: {field} lies between 0.01 and 1000 crowns, not {read[field][0]:g}")
+    if not -90 < read["pitch"][0] < 90:
+        raise InputError(f"{name}: pitch lies between -90 and 90 degrees, not {read['pitch'][0]:g}")
+    return read

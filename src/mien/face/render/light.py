@@ -26,7 +26,7 @@ __all__ = [
     "vertex_light",
 ]
 
-KEY_CELLS, SOFT_CELLS = 768, 160
+KEY_CELLS, SOFT_CELLS = 512, 160
 _NOTHING = np.float32(-1e9)
 KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
 DOME_REACH = -0.35  # a dome light at a lower cosine than this says nothing of how open a place is
@@ -46,24 +46,27 @@ def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def depth_maps(vertices, casters, axes, centre, radius, key_map, soft_maps):
-    """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others."""
+def depth_maps(vertices, casters, listed, coarse, coarse_listed, axes, centre, radius, key_map, soft_maps):
+    """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others.
+
+    The key light sees the triangles ``casters``, with the vertices ``listed``; the others see fewer, ``coarse``.
+    """
     for light in prange(axes.shape[0]):
         if light == 0:
-            _depth_map(vertices, casters, axes[0], centre, radius, key_map)
+            _depth_map(vertices, casters, listed, axes[0], centre, radius, key_map)
         else:
-            _depth_map(vertices, casters, axes[light], centre, radius, soft_maps[light - 1])
+            _depth_map(vertices, coarse, coarse_listed, axes[light], centre, radius, soft_maps[light - 1])
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _depth_map(vertices, triangles, axes, centre, radius, depth):
+def _depth_map(vertices, triangles, listed, axes, centre, radius, depth):
     cells = depth.shape[0]
     scale = np.float32(0.5 * cells / radius)
     half = np.float32(0.5 * cells)
     depth[:] = _NOTHING
     count = vertices.shape[0]
     seen = np.empty((count, 3), np.float32)
-    for v in range(count):
+    for v in listed:
         x, y, z = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
         seen[v, 0] = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + half
         seen[v, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + half

@@ -1,20 +1,31 @@
-"""The lights of the studio, read from a hand-made table (``assets/render/portrait.toml``)."""
+"""The lights of the studio, read from a hand-made table (``assets/render/lights/portrait.toml``)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.core.assets import asset_table, assets_in
-from mien.core.errors import unknown_name
+from mien.core.errors import InputError
 from mien.face.render.colour import linear_from_srgb
+from mien.face.render.tables import fields_of, known_tables, numbers, table_of
 
 __all__ = ["Lighting", "known_lightings"]
 
 Floats = NDArray[np.float32]
+_LAMP = {"direction": 3, "colour": 3}
+_SECTIONS: dict[str, dict[str, int]] = {
+    "exposure": {"": 1},
+    "background": {"top": 3, "bottom": 3},
+    "key": _LAMP,
+    "fill": _LAMP,
+    "rim": _LAMP,
+    "dome": {"lights": 1, "zenith": 3, "horizon": 3, "ground": 3},
+    "skin": {"reach_mm": 3, "wrap": 3, "bounce": 3},
+}
+"""Sections of a lighting's table, and how many numbers each field has."""
 
 
 @dataclass(frozen=True)
@@ -60,27 +71,22 @@ class Lighting:
 
     @classmethod
     def named(cls, name: str) -> Lighting:
-        """A lighting that comes with mien, from the table of its name in ``assets/render``; all hand-made by eye.
+        """A lighting of ``assets/render/lights`` (all hand-made by eye), or of a ``.toml`` file of the user's.
 
         Raises
         ------
         InputError
-            If there is none of this name.
+            If there is no such lighting, or its table cannot be used.
 
         Examples
         --------
         >>> Lighting.named("soft").exposure
         1.0
         """
-        if name not in known_lightings():
-            raise unknown_name("lighting", name, known_lightings())
-        return cls._from_table(asset_table(f"render/{name}.toml"))
-
-    @classmethod
-    def _from_table(cls, table: dict[str, Any]) -> Lighting:
+        table = _checked(table_of("lights", name), name)
         dome = table["dome"]
         sky = np.array([dome["zenith"], dome["horizon"], dome["ground"]], dtype=np.float32)
-        around = _spread(dome["lights"])
+        around = _spread(int(dome["lights"][0]))
         named = [table[name] for name in ("key", "fill", "rim")]
         directions = np.concatenate([[light["direction"] for light in named], around])
         # A matt surface under a dome of radiance 1 shows 1: n lights over the sphere of 4 pi, over pi.
@@ -93,8 +99,29 @@ class Lighting:
             reach_mm=np.array(table["skin"]["reach_mm"], dtype=np.float32),
             wrap=np.array(table["skin"]["wrap"], dtype=np.float32),
             bounce=np.array(table["skin"]["bounce"], dtype=np.float32),
-            exposure=float(table["exposure"]),
+            exposure=table["exposure"][""][0],
         )
+
+    def before(self, colour: tuple[int, int, int]) -> Lighting:
+        """The same light before one colour, sRGB bytes."""
+        linear = linear_from_srgb(np.array(colour) / 255)
+        return replace(self, background=np.tile(linear, (2, 1)).astype(np.float32))
+
+
+def _checked(table: dict[str, Any], where: object) -> dict[str, dict[str, list[float]]]:
+    """Every number of a lighting's table as a list, under its section and field."""
+    found: dict[str, dict[str, list[float]]] = {"exposure": {}}
+    for section, fields in fields_of(table, tuple(_SECTIONS), where).items():
+        counts = _SECTIONS[section]
+        given = {"": fields} if section == "exposure" else fields_of(fields, tuple(counts), f"{where}: [{section}]")
+        found[section] = {
+            name: numbers(given[name], n, f"{section} {name}".strip(), where) for name, n in counts.items()
+        }
+    if not 1 <= found["dome"]["lights"][0] <= 64:
+        raise InputError(f"{where}: a dome has 1 to 64 lights, not {found['dome']['lights'][0]:g}")
+    if not all(any(found[name]["direction"]) for name in ("key", "fill", "rim")):
+        raise InputError(f"{where}: a direction of three zeros points nowhere")
+    return found
 
 
 def _spread(count: int) -> NDArray[np.float64]:
@@ -112,11 +139,5 @@ def _sky_colour(directions: NDArray[np.float64], sky: Floats) -> NDArray[np.floa
 
 
 def known_lightings() -> tuple[str, ...]:
-    """Names of the lightings that come with mien, the usual one first.
-
-    Examples
-    --------
-    >>> known_lightings()
-    ('portrait', 'dramatic', 'even', 'soft')
-    """
-    return tuple(sorted(assets_in("render"), key=lambda name: name != "portrait"))
+    """Names of the lightings that come with mien, the usual one first."""
+    return known_tables("lights")

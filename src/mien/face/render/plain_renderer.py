@@ -6,6 +6,7 @@ constants.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from mien.face.render import light
 from mien.face.render import rasteriser as raster
 from mien.face.render.colour import linear_from_srgb, tone
 from mien.face.render.renderer import SPREAD_STEPS, Renderer
+from mien.face.render.scene import Scene
 
 __all__ = ["render_reference"]
 
@@ -25,14 +27,13 @@ Array = NDArray[Any]
 def render_reference(renderer: Renderer, posed: PosedFace) -> NDArray[np.uint8]:
     """The same picture as ``renderer.render(posed)``, up to rounding."""
     renderer.folded(posed)
-    vertices = np.concatenate([part.vertices for part in posed.parts]).astype(np.float64)
-    normals = np.concatenate([part.normals for part in posed.parts]).astype(np.float64)
+    vertices, normals = (each.astype(np.float64) for each in renderer.joined(posed))
     place = _project(renderer, vertices)
     drawn = _drawn(renderer, place)
-    needed = np.zeros(len(vertices), dtype=bool)
-    needed[renderer.scene.triangles[drawn]] = True
-    lit, openness = _light(renderer, vertices, normals, needed)
     nearest, owner = _cover(renderer, place, drawn)
+    needed = np.zeros(len(vertices), dtype=bool)
+    needed[renderer.scene.triangles[_surfaces(renderer, nearest, owner)]] = True
+    lit, openness = _light(renderer, vertices, normals, needed)
     return _resolve(renderer, place, normals, lit, openness, nearest, owner)
 
 
@@ -74,10 +75,11 @@ def _shares(corner: Array, points: Array) -> Array:
 
 def _depth_map(renderer: Renderer, vertices: Array, axes: Array, cells: int) -> Array:
     scene = renderer.scene
+    casters = scene.casters if cells == light.KEY_CELLS else scene.coarse_casters
     seen = (vertices - scene.head_centre) @ axes.T
     seen[:, :2] = seen[:, :2] * (0.5 * cells / scene.head_radius) + 0.5 * cells
     depth = np.full((cells, cells), -1e9)
-    for corner in seen[scene.casters]:
+    for corner in seen[casters]:
         if _doubled_area(corner) <= 0:
             continue
         (left, low), (right, high) = (
@@ -179,29 +181,39 @@ def _cover(renderer: Renderer, place: Array, drawn: Array) -> tuple[Array, Array
     return nearest, owner
 
 
+def _fragments(scene: Scene, nearest: Array, owner: Array) -> Iterator[tuple[Array, Array, int, Array]]:
+    """Surfaces seen in pixels: rows, columns, the first sample of each, and which of the four samples show it."""
+    part, left = np.where(owner >= 0, scene.triangle_part[owner], -1), owner >= 0
+    for s in range(4):
+        y, x = np.nonzero(left[:, :, s])
+        too, near = nearest[y, x], nearest[y, x, s][:, None]
+        same = left[y, x] & (part[y, x] == part[y, x, s][:, None])
+        same &= np.abs(too - near) < raster.SAME_SURFACE_MM * too * near
+        same &= np.arange(4) >= s
+        same[:, s] = True
+        left[y, x] &= ~same
+        if len(y):
+            yield y, x, s, same
+
+
+def _surfaces(renderer: Renderer, nearest: Array, owner: Array) -> Array:
+    """Numbers of the triangles that fragments are shaded by."""
+    found = [owner[y, x, s] for y, x, s, _ in _fragments(renderer.scene, nearest, owner)]
+    return np.unique(np.concatenate([np.zeros(0, int), *found]))
+
+
 def _resolve(
     renderer: Renderer, place: Array, normals: Array, lit: Array, openness: Array, nearest: Array, owner: Array
 ) -> NDArray[np.uint8]:
     """Shade each surface once per pixel, mix over the background, encode."""
     scene = renderer.scene
     total, solid = np.zeros((*owner.shape[:2], 3)), np.zeros((*owner.shape[:2], 1))
-    part = np.where(owner >= 0, scene.triangle_part[owner], -1)
-    left = owner >= 0
-    for s in range(4):
-        y, x = np.nonzero(left[:, :, s])
-        if not len(y):
-            continue
-        too, near = nearest[y, x], nearest[y, x, s][:, None]
-        same = left[y, x] & (part[y, x] == part[y, x, s][:, None])
-        same &= np.abs(too - near) < raster.SAME_SURFACE_MM * too * near
-        same &= np.arange(4) >= s
-        same[:, s] = True
+    for y, x, s, same in _fragments(scene, nearest, owner):
         count = same.sum(axis=1, keepdims=True)
         points = np.stack([x, y], axis=1) + same @ raster.SAMPLES / count
         colour, opacity = _shade(renderer, owner[y, x, s], points, place, normals, lit, openness)
         total[y, x] += 0.25 * count * opacity * colour
         solid[y, x] += 0.25 * count * opacity
-        left[y, x] &= ~same
     down = (np.arange(renderer.height)[:, None, None] + 0.5) / renderer.height
     top, bottom = renderer.lighting.background
     value = np.clip(total + (1 - solid) * (top + down * (bottom - top)), 0, 1)

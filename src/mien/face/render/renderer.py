@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from threading import Lock
 
 import numpy as np
@@ -13,10 +14,11 @@ from mien.face.model import Face
 from mien.face.posing import PosedFace
 from mien.face.render import light
 from mien.face.render import rasteriser as raster
-from mien.face.render.camera import Camera
+from mien.face.render.camera import Camera, head_extent
 from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.face.render.lighting import Lighting
 from mien.face.render.scene import Scene
+from mien.face.render.shading import draw
 
 __all__ = ["MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer"]
 
@@ -24,6 +26,7 @@ Picture = NDArray[np.uint8]
 MAX_SIDE = 8192
 _LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
 SPREAD_STEPS = 2
+_CROWN_MM = 119.0  # over the eyes, of an adult
 # The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
 _ONE_AT_A_TIME = Lock()
 
@@ -36,12 +39,17 @@ class Renderer:
     Parameters
     ----------
     face : Face
+        Of any size: one much smaller or larger than a head is drawn as if it were a head.
     width, height : int
         Of the picture in pixels, 16 to `MAX_SIDE`.
     camera : Camera, optional
         Default: `Camera.portrait`.
     lighting : Lighting, optional
         Default: `Lighting.portrait`.
+    backdrop : ndarray of uint8, shape (height, width, 3), optional
+        The picture behind the face, instead of the lighting's background.
+    transparent : bool
+        Whether there is nothing behind the face, and pictures have an opacity.
 
     Raises
     ------
@@ -56,13 +64,16 @@ class Renderer:
         height: int = 720,
         camera: Camera | None = None,
         lighting: Lighting | None = None,
+        backdrop: Picture | None = None,
+        transparent: bool = False,
     ) -> None:
         if not (16 <= width <= MAX_SIDE and 16 <= height <= MAX_SIDE):
             raise InputError(f"a picture's sides lie between 16 and {MAX_SIDE} pixels, not {width} x {height}")
-        self.face, self.width, self.height = face, width, height
-        self.camera = camera or Camera.portrait(face, width / height)
+        self.face, self.width, self.height, self.transparent = face, width, height, transparent
+        self.scale = _scale(face)
+        self.camera = (camera or Camera.portrait(face, width / height)).scaled(self.scale)
         self.lighting = lighting or Lighting.portrait()
-        self.scene = Scene.of(face, self.lighting.reach_mm)
+        self.scene = Scene.of(face if self.scale == 1 else _scaled(face, self.scale), self.lighting.reach_mm)
         self._folds = [
             (folds, self.scene.texels[folds.texels])
             for part, levels in zip(face.parts, self.scene.texture_level, strict=True)
@@ -71,10 +82,15 @@ class Renderer:
         self.texels = self.scene.texels.copy() if self._folds else self.scene.texels
         self._light_axes = light.light_axes(self.lighting.directions)
         self.noise = _dither()
-        self._background, self._backdrop = _background(self.lighting, height, self.noise)
+        if backdrop is None:
+            self.behind, self.backdrop = _background(self.lighting, width, height, self.noise)
+        else:
+            self.behind, self.backdrop = _LINEAR_OF_BYTE[backdrop], np.ascontiguousarray(backdrop)
         # Threads take stretches of this list; busy and empty bands should be spread over them.
-        self._order = np.argsort(np.arange(-(-height // raster.BAND)) % 8, kind="stable")
-        self._points = np.zeros((len(self.scene.uv), raster.COLUMNS), dtype=np.float32)
+        bands = -(-height // raster.BAND)
+        self._order = np.argsort(np.arange(bands) % 8, kind="stable")
+        self._fragments = np.empty((bands, 4 * raster.BAND * width, 2), dtype=np.int32)
+        self._points = _in_lines(len(self.scene.uv))
         self._points[:, [raster.U, raster.V]] = self.scene.uv
         self._points[:, raster.SOLID] = self.scene.solid
 
@@ -88,30 +104,35 @@ class Renderer:
 
         Returns
         -------
-        ndarray of uint8, shape (height, width, 3)
-            sRGB.
+        ndarray of uint8, shape (height, width, 3), or (height, width, 4) where transparent
+            sRGB, and opacity (colours are not multiplied by it).
 
         Raises
         ------
         InputError
             If the parts are not those of this face.
         """
-        vertices, normals = self._joined(posed)
+        vertices, normals = self.joined(posed)
         scene, camera, lights = self.scene, self.camera, self.lighting
         axes, focal = camera.axes(), camera.focal_pixels(self.height)
-        points, needed = self._points.copy(), np.empty(len(vertices), dtype=np.bool_)
-        picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
+        points, needed = self._points, np.zeros(len(vertices), dtype=np.bool_)
+        picture = np.empty((self.height, self.width, 4 if self.transparent else 3), dtype=np.uint8)
+        counts = np.zeros(len(self._order), dtype=np.int64)
         with _ONE_AT_A_TIME:
             raster.project(vertices, camera.place(), axes, focal, self.width, self.height, points)
-            start, listed = raster.sort_into_bands(
-                points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height, needed
+            start, listed, reach = raster.sort_into_bands(
+                points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height
             )
+            raster.cover(
+                points, scene.triangles, scene.triangle_part, start, listed, reach, self._order, self.height,
+                self._fragments, counts, needed,
+            )  # fmt: skip
             lit, openness = self._light(vertices, normals, needed)
             raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
-            raster.draw(
-                points, scene.triangles, scene.triangle_part, start, listed, self._order, self.folded(posed),
-                scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky, self._background,
-                self._backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
+            draw(
+                points, scene.triangles, scene.triangle_part, reach, self._order, self._fragments, counts,
+                self.folded(posed), scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky,
+                self.behind, self.backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
             )  # fmt: skip
         return picture
 
@@ -123,15 +144,20 @@ class Renderer:
         return self.texels
 
     def empty(self) -> Picture:
-        """The background alone, shape (height, width, 3)."""
-        return np.ascontiguousarray(np.tile(self._backdrop, (1, -(-self.width // 8), 1))[:, : self.width])
+        """The background alone, of the same shape as a picture."""
+        if self.transparent:
+            return np.zeros((self.height, self.width, 4), dtype=np.uint8)
+        return self.backdrop.copy()
 
-    def _joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Vertices (scaled) and normals of all parts of a pose, end to end; InputError if it is of another face."""
         given, expected = [len(p.vertices) for p in posed.parts], np.diff(self.scene.starts).tolist()
         if given != expected:
             raise InputError(f"the pose has parts of {given} vertices, face {self.face.name!r} of {expected}")
         vertices = np.concatenate([part.vertices for part in posed.parts])
         normals = np.concatenate([part.normals for part in posed.parts])
+        if self.scale != 1:
+            vertices = vertices * np.float32(self.scale)
         return vertices.astype(np.float32), normals.astype(np.float32)
 
     def _light(
@@ -141,7 +167,8 @@ class Renderer:
         key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
         soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
         light.depth_maps(
-            vertices, scene.casters, self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps
+            vertices, scene.casters, scene.caster_vertices, scene.coarse_casters, scene.coarse_vertices,
+            self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps,
         )  # fmt: skip
         listed, lit = np.flatnonzero(needed), np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
@@ -158,6 +185,13 @@ class Renderer:
         return lit, openness
 
 
+def _in_lines(vertices: int) -> NDArray[np.float32]:
+    """Room for ``points``, each row in one line of the processor's cache."""
+    room = np.zeros(vertices * raster.COLUMNS + 16, dtype=np.float32)
+    skipped = -room.ctypes.data % 64 // room.itemsize
+    return room[skipped : skipped + vertices * raster.COLUMNS].reshape(vertices, raster.COLUMNS)
+
+
 def _dither() -> NDArray[np.float32]:
     """An 8 x 8 Bayer pattern in (0, 1): added before rounding down, it hides the steps of the background's gradient."""
     pattern = np.zeros((1, 1))
@@ -167,9 +201,9 @@ def _dither() -> NDArray[np.float32]:
 
 
 def _background(
-    lighting: Lighting, height: int, noise: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """The gradient as linear light (height, 3), and as pixels (height, 8, 3), repeating across like the pattern."""
+    lighting: Lighting, width: int, height: int, noise: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], Picture]:
+    """The gradient as linear light and as pixels, both (height, width, 3)."""
     down = (np.arange(height)[:, None] + 0.5) / height
     top, bottom = lighting.background.astype(np.float64)
     linear = (top + down * (bottom - top)).astype(np.float32)
@@ -177,4 +211,17 @@ def _background(
     # One colour has no steps to hide, and comes out as it was asked for.
     rows = np.full_like(noise, 0.5) if np.array_equal(top, bottom) else noise
     dither = rows[np.arange(height) & 7][:, :, None]
-    return linear, np.minimum(SRGB_BYTES[steps][:, None, :] + dither, 255).astype(np.uint8)
+    pixels = np.minimum(SRGB_BYTES[steps][:, None, :] + dither, 255).astype(np.uint8)
+    shape = height, width, 3
+    behind = np.ascontiguousarray(np.broadcast_to(linear[:, None, :], shape))
+    return behind, np.ascontiguousarray(np.tile(pixels, (1, -(-width // 8), 1))[:, :width])
+
+
+def _scale(face: Face) -> float:
+    """1 for what is about as large as a head; else what makes it so, since shadows and skin are made for that size."""
+    crown = head_extent(face).crown
+    return 1.0 if 30 <= crown <= 600 else _CROWN_MM / crown
+
+
+def _scaled(face: Face, scale: float) -> Face:
+    return replace(face, parts=tuple(replace(p, vertices=p.vertices * np.float32(scale)) for p in face.parts))

@@ -21,6 +21,7 @@ LEVELS = 12  # of a texture, each half the size of the last
 # A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts none.
 _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
+_COARSE_MM, _COARSE_MOVE_MM = 6.0, 14.0  # what lies and moves so close together casts soft shadows as one point
 _FADE_MM = 28.0
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
@@ -42,7 +43,11 @@ class Scene:
     sheet : ndarray of bool, shape (parts,)
         Seen from both sides.
     casters : ndarray of int32, shape (some triangles, 3)
-        Those that cast shadows: of large parts that are not sheets.
+        Those that cast the key light's shadows: of large parts that are not sheets.
+    coarse_casters : ndarray of int32, shape (fewer triangles, 3)
+        The same surfaces with some vertices only, for the soft lights.
+    caster_vertices, coarse_vertices : ndarray of int32
+        The vertices that they have.
     solid : ndarray of float32, shape (vertices,)
         Opacity: 1, falling to 0 where the trunk is cut off.
     lift : ndarray of float32, shape (vertices,)
@@ -75,6 +80,9 @@ class Scene:
     triangle_part: Indices
     sheet: NDArray[np.bool_]
     casters: Indices
+    coarse_casters: Indices
+    caster_vertices: Indices
+    coarse_vertices: Indices
     solid: Floats
     lift: Floats
     both_sides: NDArray[np.bool_]
@@ -107,12 +115,17 @@ class Scene:
         centre, radius = _head_ball(parts)
         sheet = np.array([share > _SHEET_SHARE for _, share in rims])
         casts = _casts(parts) & ~sheet
+        casters = _triangles_of(parts, starts, casts)
+        coarse = _coarser(parts, vertices, casters)
         return cls(
             starts=tuple(starts),
             triangles=np.ascontiguousarray(triangles, dtype=np.int32),
             triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
             sheet=sheet,
-            casters=_triangles_of(parts, starts, casts),
+            casters=casters,
+            coarse_casters=coarse,
+            caster_vertices=np.unique(casters).astype(np.int32),
+            coarse_vertices=np.unique(coarse).astype(np.int32),
             lift=np.concatenate([_lift(part, casting) for part, casting in zip(parts, casts, strict=True)]),
             both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
             solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
@@ -151,6 +164,40 @@ def _casts(parts: tuple[Part, ...]) -> NDArray[np.bool_]:
 def _triangles_of(parts: tuple[Part, ...], starts: list[int], chosen: NDArray[np.bool_]) -> Indices:
     pieces = [part.triangles + start for part, start, take in zip(parts, starts, chosen, strict=False) if take]
     return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *pieces]), dtype=np.int32)
+
+
+def _coarser(parts: tuple[Part, ...], vertices: Floats, triangles: Indices) -> Indices:
+    """The triangles between one vertex for each group of those that lie and move together, shape (fewer, 3)."""
+    if not len(triangles):
+        return triangles
+    moves = [_moves(part) for part in parts]
+    owner = np.repeat(np.arange(len(parts)), [len(part.vertices) for part in parts])[:, None]
+    key = np.hstack([owner, np.floor(vertices / _COARSE_MM), np.rint(np.concatenate(moves) / _COARSE_MOVE_MM)])
+    used = np.unique(triangles)
+    _, group = np.unique(key[used].astype(np.int64), axis=0, return_inverse=True)
+    group = group.reshape(-1)
+    total = np.stack([np.bincount(group, vertices[used, k]) for k in range(3)], axis=1)
+    middle = total / np.bincount(group)[:, None]
+    # Of each group the vertex nearest to its middle stands for it.
+    order = np.lexsort((((vertices[used] - middle[group]) ** 2).sum(axis=1), group))
+    first = np.concatenate([[True], np.diff(group[order]) > 0])[: len(order)]
+    chosen = np.zeros(len(vertices), dtype=np.int64)
+    chosen[used] = used[order[first]][group]
+    corner = chosen[triangles]
+    apart = (corner[:, 0] != corner[:, 1]) & (corner[:, 1] != corner[:, 2]) & (corner[:, 2] != corner[:, 0])
+    corner = corner[apart]
+    turned = np.take_along_axis(corner, (corner.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    return np.ascontiguousarray(np.unique(turned, axis=0), dtype=np.int32).reshape(-1, 3)
+
+
+def _moves(part: Part) -> Floats:
+    """How each vertex moves, as two mixtures of its targets: lips that touch at rest differ. Shape (n, 6), mm."""
+    mixed = np.zeros((len(part.vertices), 2, 3), dtype=np.float32)
+    for number, name in enumerate(sorted(part.targets)):
+        target = part.targets[name]
+        for k, step in enumerate((0.6180339887, 0.4142135624)):
+            np.add.at(mixed[:, k], target.vertices, np.float32(np.cos(2 * np.pi * step * number)) * target.offsets)
+    return mixed.reshape(len(part.vertices), 6)
 
 
 def _lift(part: Part, casts: np.bool_) -> Floats:

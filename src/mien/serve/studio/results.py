@@ -6,7 +6,7 @@ import re
 import shutil
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from mien.animation.animation import Animation
@@ -109,28 +109,11 @@ class _Steps:
 def _written(animation: Animation, path: Path, export: Export, steps: _Steps) -> tuple[Note, ...]:
     steps(0, 1)
     try:
-        if path.suffix == ".mp4":
-            return _filmed(animation, path, export, steps)
-        return save(animation, path, face=export.face, progress=steps)
+        return save(animation, path, face=export.face, view=export.shown.view(), progress=steps)
     except InputError as problem:
         told = str(problem).replace(str(path), path.name)
         told = told.replace(str(export.face), "the face") if isinstance(export.face, Path) else told
         raise InputError(told) from problem
-
-
-def _filmed(animation: Animation, path: Path, export: Export, steps: _Steps) -> tuple[Note, ...]:
-    """A video from the page's camera, in its light."""
-    from mien.formats.video import write_video
-
-    if isinstance(export.face, Face):
-        return write_video(animation, export.face, path, progress=steps, renderer=export.shown.renderer(export.face))
-    from mien.face.foreign.drawn import drawn_face
-    from mien.face.foreign.known_face import known_face
-
-    drawn = drawn_face(known_face(export.face))
-    moved = replace(animation, channels=drawn.track(animation.channels))
-    notes = write_video(moved, drawn.face, path, progress=steps, renderer=export.shown.renderer(drawn.face))
-    return (*(Note("warning", fault) for fault in drawn.notes), *notes)
 
 
 def checked_formats(asked: object) -> tuple[str, ...]:

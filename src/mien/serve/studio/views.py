@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from mien.core.errors import unknown_name
-from mien.face.model import Face
-from mien.face.render.camera import Camera
-from mien.face.render.lighting import Lighting, known_lightings
-from mien.face.render.renderer import Renderer
+from mien.face.render.lighting import known_lightings
+from mien.face.render.view import View
 from mien.serve.studio.requests import FieldError
 
 __all__ = ["CAMERAS", "LIGHTS", "Shown"]
 
-CAMERAS: dict[str, Callable[[Face, float], Camera]] = {
-    "portrait": Camera.portrait,
-    "three-quarter": lambda face, aspect: Camera.portrait(face, aspect).turned(32.0, 2.0),
-    "profile": lambda face, aspect: Camera.portrait(face, aspect).turned(82.0),
-    "mouth": Camera.close_up,
-}
+_OF_THE_PAGE = {"portrait": "portrait", "three-quarter": "three-quarter", "profile": "side", "mouth": "mouth"}
+CAMERAS = tuple(_OF_THE_PAGE)
 LIGHTS = known_lightings()
 
 
@@ -58,7 +52,6 @@ class Shown:
         camera, light = asked.get("camera") or "portrait", asked.get("light") or "portrait"
         return cls(asked.get("face"), asked.get("rig"), camera, light)
 
-    def renderer(self, face: Face, width: int = 1280, height: int = 720) -> Renderer:
-        """What draws a face so."""
-        camera = CAMERAS[self.camera](face, width / height)
-        return Renderer(face, width, height, camera, Lighting.named(self.light))
+    def view(self) -> View:
+        """How exported pictures show a face."""
+        return View(camera=_OF_THE_PAGE[self.camera], light=self.light)
