@@ -154,8 +154,8 @@ def _durations(frames: int, fps: Fraction, step: int) -> list[int]:
 def _in_256_colours(picture: Picture) -> Image.Image:
     """A picture with a palette of its own; the last colour stands for what is transparent."""
     if picture.shape[2] == 3:
-        return Image.fromarray(picture).quantize(256, method=Image.Quantize.FASTOCTREE)
-    image = Image.fromarray(np.ascontiguousarray(picture[..., :3])).quantize(255, method=Image.Quantize.FASTOCTREE)
+        return Image.fromarray(picture).quantize(256, method=Image.Quantize.MEDIANCUT)
+    image = Image.fromarray(np.ascontiguousarray(picture[..., :3])).quantize(255, method=Image.Quantize.MEDIANCUT)
     indices = np.where(picture[..., 3] >= _OPAQUE, np.asarray(image), 255).astype(np.uint8)
     palette = image.getpalette()
     shown = Image.fromarray(indices, mode="P")
