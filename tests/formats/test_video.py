@@ -48,7 +48,7 @@ def flash_and_click(fps: Fraction, seconds: float, at: float, rate: int):
     return pictures, Audio(samples, rate)
 
 
-@pytest.mark.parametrize("rate", [8000, 16000, 22050, 44100, 48000, 96000, 11111])
+@pytest.mark.parametrize("rate", [8000, 22050, 48000, 96000, 11111])
 @pytest.mark.parametrize("fps", [Fraction(25), Fraction(30000, 1001)])
 def test_a_click_is_heard_when_its_flash_is_seen(tmp_path, rate, fps):
     at = float(30 / fps)
@@ -58,8 +58,8 @@ def test_a_click_is_heard_when_its_flash_is_seen(tmp_path, rate, fps):
     assert len(frames) == 60
     brightest = max(frames, key=lambda item: item[1].mean())
     assert brightest[0] == pytest.approx(at, abs=1e-4)
-    assert heard_rate == (48000 if rate == 11111 else rate)
-    assert bool(notes) == (rate == 11111)
+    assert heard_rate == 48000
+    assert notes == ()
     middle = float((np.arange(len(heard)) * heard**2).sum() / (heard**2).sum()) / heard_rate
     assert middle == pytest.approx(at + 0.005, abs=0.003)
 
@@ -222,9 +222,7 @@ def test_other_kinds_hold_pictures_and_sound_in_step_and_the_same_bytes(tmp_path
     pictures, sound = flash_and_click(Fraction(25), 2.4, 1.2, 22050)
     for name in ("a", "b"):
         notes = write_frames(iter(pictures), Fraction(25), sound, tmp_path / f"{name}{suffix}", SIZE)
-    assert [note.message for note in notes] == (
-        ["Opus has no sample rate of 22050 Hz; the video's sound has 48000 Hz"] if voice == "opus" else []
-    )
+    assert notes == ()
     with av.open(str(tmp_path / f"a{suffix}")) as container:
         assert [stream.codec.canonical_name for stream in container.streams] == [codec, voice]
         shown = [(frame.time, frame.to_ndarray(format="gray").mean()) for frame in container.decode(video=0)]

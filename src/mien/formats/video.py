@@ -35,8 +35,7 @@ _SECONDS_PER_KEY = 2  # a key picture so often, so that players can jump
 _SOUND_BITS_PER_SECOND = 128_000
 _WAITING = 4  # pictures drawn ahead of the encoder
 _BLOCK = 1024  # samples given to the sound's encoder at once, where it takes any number
-_AAC_RATES = (96000, 88200, 64000, 48000, 44100, 32000, 24000, 22050, 16000, 12000, 11025, 8000)
-_OPUS_RATES = (48000, 24000, 16000, 12000, 8000)
+_RATE = 48000  # of compressed sound: what every player takes
 
 
 @dataclass(frozen=True)
@@ -73,10 +72,11 @@ class Film:
 
 
 def _h264(quality: str) -> dict[str, str]:
+    # Without B-frames: players that pass over edit lists would show everything a frame or two late.
     # Without mbtree: on processors with AVX it reads memory that was never written, so that small pictures came out in
     # other bytes now and then (eleven variants in 200 runs of one input; without it one).
     crf, preset = {"draft": ("26", "superfast"), "full": ("18", "veryfast"), "best": ("13", "medium")}[quality]
-    return {"crf": crf, "preset": preset, "threads": "1", "x264-params": "mbtree=0"}
+    return {"crf": crf, "preset": preset, "threads": "1", "x264-params": "mbtree=0:bframes=0"}
 
 
 def _vp9(quality: str) -> dict[str, str]:
@@ -94,8 +94,8 @@ def _prores(quality: str) -> dict[str, str]:
 
 
 FILMS: dict[str, Film] = {
-    ".mp4": Film("mp4", "libx264", "", "yuv420p", "", _h264, "aac", _AAC_RATES, (2, 2)),
-    ".webm": Film("webm", "libvpx-vp9", "libvpx-vp9", "yuv420p", "yuva420p", _vp9, "libopus", _OPUS_RATES, (2, 2)),
+    ".mp4": Film("mp4", "libx264", "", "yuv420p", "", _h264, "aac", (_RATE,), (2, 2)),
+    ".webm": Film("webm", "libvpx-vp9", "libvpx-vp9", "yuv420p", "yuva420p", _vp9, "libopus", (_RATE,), (2, 2)),
     ".mov": Film("mov", "prores_ks", "prores_ks", "yuv422p10le", "yuva444p10le", _prores, "pcm_s24le", (), (2, 1)),
 }
 """Kinds of video by their suffix."""
@@ -153,11 +153,6 @@ def write_video(
     progress : callable, optional
         Called with (frames done, frames in all).
 
-    Returns
-    -------
-    tuple of Note
-        What was done with an odd sample rate.
-
     Raises
     ------
     InputError
@@ -209,7 +204,7 @@ def write_frames(
     """
     check_film(path, View(*size, background=TRANSPARENT if transparent else "", quality=quality))
     film = FILMS[Path(path).suffix.lower()]
-    sound, notes = _encodable(sound, film)
+    sound = _encodable(sound, film)
     options = {"fflags": "+bitexact"}  # no times of day or random numbers in the file
     options |= {"movflags": "+faststart"} if film.container in ("mp4", "mov") else {}
     with replace_when_complete(path) as unfinished:
@@ -220,17 +215,12 @@ def write_frames(
                 _encode(container, video, voice, pictures, fps, sound)
         except av.FFmpegError as problem:
             raise OSError(problem.errno, problem.strerror) from problem
-    return notes
+    return ()
 
 
-def _encodable(sound: Audio, film: Film) -> tuple[Audio, tuple[Note, ...]]:
-    """The sound at a rate that the encoder has."""
-    if not film.rates or sound.rate in film.rates:
-        return sound, ()
-    rate = 44100 if 44100 in film.rates and 44100 % sound.rate == 0 else 48000
-    name = {"aac": "AAC", "libopus": "Opus"}[film.voice]
-    message = f"{name} has no sample rate of {sound.rate} Hz; the video's sound has {rate} Hz"
-    return sound.resampled(rate), (Note("note", message),)
+def _encodable(sound: Audio, film: Film) -> Audio:
+    """The sound at a rate that the file has."""
+    return sound if not film.rates or sound.rate in film.rates else sound.resampled(film.rates[0])
 
 
 def _video_stream(

@@ -108,9 +108,9 @@ def sort_into_bands(points, triangles, triangle_part, sheet, width, height):
 def cover(points, triangles, triangle_part, start, listed, reach, order, height, fragments, counts, needed):
     """Find the fragments of every band, in order of rows and columns.
 
-    ``fragments`` (bands, most, 2) int32 receives the triangle, and in one number the column in the band's reach, the row
-    and the samples (four bits each); ``counts`` (bands,) how many there are; ``needed`` (vertices,) becomes true where
-    seen.
+    ``fragments`` (bands, most, 2) int32 receives the triangle, and in one number the column in the band's reach, the
+    row and the samples (four bits each); ``counts`` (bands,) how many there are; ``needed`` (vertices,) becomes true
+    where seen.
     """
     for number in prange(order.shape[0]):
         band = order[number]
