@@ -26,6 +26,7 @@ def html_of(animation: Animation) -> str:
     '<video'
     """
     from mien.face.library import load_face
+    from mien.face.render.view import View
     from mien.formats.contact_sheet import write_contact_sheet
     from mien.formats.video import write_video
     from mien.formats.wav import write_sound
@@ -34,7 +35,7 @@ def html_of(animation: Animation) -> str:
     with TemporaryDirectory() as folder:
         if animation.utterance.duration <= LONGEST:
             video = Path(folder) / "line.mp4"
-            write_video(animation, face, video, width=WIDTH, height=HEIGHT)
+            write_video(animation, face, video, view=View(WIDTH, HEIGHT))
             shown = f'<video controls width="{WIDTH}" src="{_inline(video, "video/mp4")}"></video>'
         else:
             sheet, sound = Path(folder) / "line.png", Path(folder) / "line.wav"

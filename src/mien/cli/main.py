@@ -404,8 +404,8 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
             obey()
             show(done, total)
 
-        given = {"view": view_of(options), "glb": glb_style(options)}
-        notes = api.save(animation, *outputs, face=face, progress=progress, **given)
+        view, glb = view_of(options), glb_style(options)
+        notes = api.save(animation, *outputs, face=face, view=view, progress=progress, glb=glb)
     _tell((*notes, *_unused(options, outputs)), options.quiet)
     if not options.quiet:
         seconds = animation.utterance.duration

@@ -96,7 +96,7 @@ class FaceShelf:
         with self._lock:
             if name not in self._pictures:
                 face = load_face(name)
-                picture = Shown().renderer(face, _PICTURE, _PICTURE).render(Poser(face, ()).pose(()))
+                picture = Shown().view().of_size(_PICTURE, _PICTURE).renderer(face).render(Poser(face, ()).pose(()))
                 out = io.BytesIO()
                 Image.fromarray(np.asarray(picture)[..., :3]).save(out, "JPEG", quality=85)
                 self._pictures[name] = out.getvalue()
