@@ -226,7 +226,7 @@ def test_a_spreadsheet_with_semicolons_and_a_byte_order_mark(tmp_path: Path) -> 
     ("text", "words"),
     [
         ("sentence,crop\nOh.,mouht\n", "line 2: unknown camera 'mouht': did you mean 'mouth'"),
-        ("sentence,background\nOh.,grayish\n", "line 2: background is a colour"),
+        ("sentence,background\nOh.,grayish\n", "line 2: a background is a colour"),
         ("sentence,sentence\nOh.,Oh.\n", "line 1: the column 'sentence' is there 2 times"),
         ("sentence,emotion\nOh.|,sad\n", "line 2: one level of the sentence is empty"),
         ('sentence\n"Oh\n', "expected a table"),
