@@ -91,6 +91,7 @@ def _parts(text: str) -> tuple[str, ...]:
 def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also: Any) -> int:
     from pathlib import Path
 
+    from mien.core.errors import InputError
     from mien.face.storage import write_face
     from mien.fit.fit_head import fit_head
     from mien.fit.landmarks import read_landmarks
@@ -102,6 +103,9 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
     lent = () if own_file else added
     done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, lent, options.mesh)
     print(_report(done, len(landmarks)))
+    refused = [finding.words for finding in done.findings if finding.kind == "refusal"]
+    if refused:
+        raise InputError(f"{options.mesh}: the fit is not kept: {'; '.join(refused)}; give --landmarks by hand")
     if own_file:
         _write_own_file(done, mesh, options.mesh, path)
     elif path.suffix.lower() == ".npz":
@@ -154,10 +158,7 @@ def _report(done: FittedHead, landmarks: int) -> str:
     for region, (mean, high, share) in region_distances(done.fit).items():
         told = "no match" if np.isnan(mean) else f"{mean:.2f} / {high:.2f}"
         lines.append(f"  {region}: {told}, {100 * share:.0f} %")
-    if not np.isnan(done.lip_gap):
-        lines.append(f"lips shut over an open jaw: {max(done.lip_gap, 0.0):.2f} mm left between them")
-    if not np.isnan(done.lid_gap):
-        lines.append(f"lids in a blink: {done.lid_gap:.2f} mm left between them")
+    lines += [f"{finding.note.kind}: {finding.words}" for finding in done.findings]
     lines += [f"{note.kind}: {note.message}" for note in done.notes]
     return "\n".join(lines)
 

@@ -19,6 +19,7 @@ from mien.face.surface import Surface
 from mien.face.warps import Similarity
 from mien.fit.alignment import Alignment, align
 from mien.fit.eye_cut import cut_out_eye, eye_patch
+from mien.fit.fit_judge import Finding, judged
 from mien.fit.head_mesh import HeadMesh, outward, prepared_mesh
 from mien.fit.head_parts import ADDED, DEFAULT_ADDED, GivenMesh, HeadParts
 from mien.fit.head_search import find_head
@@ -59,6 +60,8 @@ class FittedHead:
         How many of them, the last ones, are copies made where lips were cut apart.
     loose : tuple of (ndarray of int64, mapping of str to Target)
         Of the head's other pieces: numbers of their vertices in the file, and how they move (eyeballs too).
+    findings : tuple of Finding
+        What is seen of it, judged.
     notes : tuple of Note
     """
 
@@ -71,6 +74,7 @@ class FittedHead:
     kept: NDArray[np.int64]
     copied: int
     loose: tuple[tuple[NDArray[np.int64], Mapping[str, Target]], ...]
+    findings: tuple[Finding, ...]
     notes: tuple[Note, ...]
 
 
@@ -209,7 +213,7 @@ class _Builder:
         )
         return FittedHead(
             face, self.fit, self.alignment, lip_gap, lid_gap, folded, kept_in_file, len(kept) - whole, loose,
-            tuple(self.notes),
+            judged(face, self.skin, lip_gap, lid_gap), tuple(self.notes),
         )  # fmt: skip
 
     # ------------------------------------------------------------ the mesh
@@ -330,12 +334,8 @@ class _Builder:
     def _tell(self, folded: Mapping[str, float], lip_gap: float, lid_gap: float) -> None:
         if np.isnan(lip_gap):
             self.notes.append(Note("warning", "no lips that part were found: the mouth will not open"))
-        elif lip_gap > 1.0:
-            self.notes.append(Note("warning", f"the lips stay {lip_gap:.1f} mm apart where they should meet"))
         if np.isnan(lid_gap):
             self.notes.append(Note("warning", "no eyelids that part were found: the eyes will not shut"))
-        elif lid_gap > 1.0:
-            self.notes.append(Note("warning", f"the lids stay {lid_gap:.1f} mm apart in a blink"))
         bare = [side.lower() for side in self.parts.unpainted_eyes()]
         if bare and "eyes" in self.added:
             self.notes.append(Note("note", f"eyeballs without paint replaced by painted ones: {' and '.join(bare)}"))
