@@ -596,7 +596,7 @@ def draco(folder: Path) -> Animal:
     packed = {"bufferView": made.view(b"DRACO" + bytes(27)), "attributes": {"POSITION": 0}}
     made.list_of("meshes")[0]["primitives"][0]["extensions"] = {"KHR_draco_mesh_compression": packed}
     made.bust(mesh)
-    return Animal(made.glb(folder / "draco.glb"), same(ARKIT[:20]), TURNS, drawn=False)
+    return Animal(made.glb(folder / "draco.glb"), same(ARKIT[:20]), TURNS)
 
 
 def own_table(folder: Path) -> Animal:

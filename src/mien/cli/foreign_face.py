@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -27,6 +29,9 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
         default="default",
         metavar="NAME|FILE",
         help="the face to show: default, .npz, .obj, or one of your own in .glb, .vrm or .gltf (docs/faces.md)",
+    )
+    parser.add_argument(
+        "--arms", choices=("lower", "keep"), default="lower", help="of an avatar in T-pose (default: lowered)"
     )
     parser.add_argument(
         "--names", metavar="X.toml", help="what the targets of such a face are, where mien does not know"
@@ -62,7 +67,9 @@ def glb_style(options: argparse.Namespace) -> GlbStyle | None:
     return style
 
 
-def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, names: str | None) -> ForeignFace:
+def checked_foreign_face(
+    face: str, outputs: Sequence[Path], deformer: str, names: str | None, arms: str = "lower"
+) -> ForeignFace:
     """Refuse what cannot be done with a foreign face before any work is done."""
     from mien.face.foreign.drawn import not_drawn
     from mien.face.foreign.known_face import known_face
@@ -70,10 +77,12 @@ def checked_foreign_face(face: str, outputs: Sequence[Path], deformer: str, name
 
     if deformer != "blendshapes":
         raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
-    recognised = known_face(face, names)
+    recognised = replace(known_face(face, names), arms=arms == "lower")
     recognised.require_motion()
     for path in outputs:
         reason = not_drawn(recognised) if draws_pictures(path) else ""
-        if reason:
+        if reason and all(draws_pictures(other) for other in outputs):
             raise InputError(f"{face} cannot be drawn to {path}: {reason}")
+        if reason:
+            print(f"mien: warning: {path} is not written, {face} cannot be drawn: {reason}", file=sys.stderr)
     return recognised

@@ -365,7 +365,9 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     foreign = is_gltf(options.face)
     _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
     if foreign:
-        return checked_foreign_face(options.face, outputs, options.deformer, options.names)
+        return checked_foreign_face(options.face, outputs, options.deformer, options.names, options.arms)
+    if options.arms == "keep":
+        raise InputError(f"--arms is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
     if options.names is not None:
         raise InputError(f"--names is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
     if is_named_face(options.face) and options.deformer == "blendshapes":
@@ -397,7 +399,7 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
     from mien.api import calls as api
 
     _tell(animation.notes, options.quiet)
-    outputs = (options.output, *options.also)
+    outputs = _written(options, face)
     with progress_bar("drawing", " frames", options.quiet) as show, put_off() as obey:
 
         def progress(done: int, total: int) -> None:
@@ -411,6 +413,18 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
         seconds = animation.utterance.duration
         print(f"{', '.join(outputs)}: {seconds:.2f} s at {animation.rate} frames/s")
     return 0
+
+
+def _written(options: argparse.Namespace, face: ShownFace) -> tuple[str, ...]:
+    """The outputs, less those for which a face would have to be drawn that cannot be (that was told at the start)."""
+    from mien.face.foreign.drawn import not_drawn
+    from mien.face.foreign.recognition import ForeignFace
+    from mien.formats.registry import draws_pictures
+
+    outputs = (options.output, *options.also)
+    if isinstance(face, ForeignFace) and not_drawn(face):
+        return tuple(path for path in outputs if not draws_pictures(path))
+    return outputs
 
 
 def _unused(options: argparse.Namespace, outputs: Sequence[str]) -> list[Note]:

@@ -280,8 +280,23 @@ class _Builder:
     def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Floats]:
         names = list(self.reshaped.targets)
         stack = np.hstack([self.reshaped.targets[name] for name in names])
-        moved = filled(carried.trust, carried.matrix @ stack, triangles)
+        still = self._behind_lids(carried, vertices)
+        moved = (1 - still[:, None]) * (carried.matrix @ stack)
+        moved = filled(np.maximum(carried.trust, still), moved, triangles)
         return {name: np.ascontiguousarray(moved[:, 3 * i : 3 * i + 3]) for i, name in enumerate(names)}
+
+    def _behind_lids(self, carried: Carried, vertices: Floats) -> Floats:
+        """1 deep in the eyes' sockets, where nothing moves with the lids, to 0 at the lids; shape (n,)."""
+        still = np.zeros(len(vertices))
+        for eye in self.reshaped.face.eyes:
+            centre = np.array(eye.centre)
+            ball = self.reshaped.face.part(eye.part).vertices
+            radius = float(np.median(np.linalg.norm(ball - centre, axis=1)))
+            near = (np.linalg.norm(vertices - centre, axis=1) < 2.0 * radius) & (
+                vertices[:, 2] < centre[2] + 0.6 * radius
+            )
+            still = np.maximum(still, near * np.clip((carried.distance - 1.0) / 3.0, 0, 1))
+        return np.nan_to_num(still)
 
     def _seams(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Seam]:
         """The default's lips and lids as points of the head."""

@@ -21,8 +21,14 @@ __all__ = ["read_glb_mesh"]
 
 Floats = NDArray[np.float64]
 
-_DRACO = "KHR_draco_mesh_compression"
-_READ = {"KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "VRM", "VRMC_vrm"}
+_READ = {
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "VRM",
+    "VRMC_vrm",
+}
 _OF_PAINT = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "VRMC_materials_")  # of no effect on a mesh
 _TILE, _MARGIN = 1024, 4  # pixels
 _SURFACES = (4, 5, 6)  # triangles, strips, fans
@@ -54,8 +60,6 @@ def read_glb_mesh(path: Path) -> GivenMesh:
         for place, primitive in enumerate(file.list_of("meshes")[number]["primitives"]):
             if primitive.get("mode", 4) not in _SURFACES:
                 continue
-            if _DRACO in (primitive.get("extensions") or {}):
-                raise InputError(f"{path}: its meshes are compressed with Draco, which is not read here: decompress it")
             own = reader.read(primitive["attributes"]["POSITION"], 3)
             matrices, _ = rest_matrices(reader, node, primitive["attributes"], len(own), world, {})
             linear = matrices[:, :3, :3]

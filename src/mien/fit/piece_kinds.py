@@ -142,7 +142,7 @@ def _with_shells(pieces: list[Piece], used: list[Floats]) -> list[Piece]:
 
 @dataclass(frozen=True, eq=False)
 class _Mouth:
-    """The middle between the mouth's corners, its width, and how far forward the lips reach; mm."""
+    """The middle between the mouth's corners, its usual width, and how far forward the lips reach; mm."""
 
     middle: Floats
     width: float
@@ -151,7 +151,8 @@ class _Mouth:
     @classmethod
     def of(cls, places: Mapping[str, Floats]) -> _Mouth:
         one, other = places["lip_corner_left"], places["lip_corner_right"]
-        middle, width = (one + other) / 2, float(np.linalg.norm(one - other))
+        eyes = places["eye_outer_left"] - places["eye_outer_right"]
+        middle, width = (one + other) / 2, max(float(np.linalg.norm(one - other)), 0.5 * float(np.linalg.norm(eyes)))
         lips = [place[2] for name, place in places.items() if name in ("lip_upper_outer", "lip_lower_outer")]
         return cls(middle, width, max([*lips, middle[2] + 0.3 * width]))
 

@@ -97,7 +97,7 @@ def _add_animation(track: ChannelTrack, face: ForeignFace, keys: AppendedGlb, cl
     for number, turns in turned.items():
         _without_matrix(document["nodes"][number])
         put(number, "rotation", keys.add(turns.astype(np.float32), "VEC4"))
-    if not any(channel["target"]["path"] == "weights" for channel in channels):
+    if not face.jaw_turns and not any(channel["target"]["path"] == "weights" for channel in channels):
         raise InputError(f"{face.document.path}: no node shows the meshes that could move")
     there = document.setdefault("animations", [])
     there.insert(0, {"name": clip, "extras": {"mien": {}}, "channels": channels, "samplers": samplers})

@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
 from mien.face.foreign.accessors import AccessorReader
+from mien.face.foreign.draco import DRACO
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.model import Target
 from mien.formats.appended_glb import AppendedGlb
 
 __all__ = ["PrimitiveShapes", "write_shapes"]
-
-_DRACO = "KHR_draco_mesh_compression"
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +110,7 @@ def _shaped_mesh(
 
 def _cut_open(out: AppendedGlb, reader: AccessorReader, primitive: dict[str, Any], shapes: PrimitiveShapes) -> int:
     """Give some vertices copies in all attributes and targets, and the triangles their new corners."""
-    if _DRACO in (primitive.get("extensions") or {}):
-        raise InputError(f"{out.source.path}: its lips are one surface in a Draco-compressed mesh: decompress it first")
+    (primitive.get("extensions") or {}).pop(DRACO, None)  # what is cut open is written plain
     for group in (primitive["attributes"], *primitive.get("targets", [])):
         for key, accessor in group.items():
             rows = reader.stored(accessor)

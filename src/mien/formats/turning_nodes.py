@@ -16,7 +16,8 @@ from mien.core.errors import Note
 from mien.core.tracks import ChannelTrack
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.recognition import ForeignFace
-from mien.face.foreign.rig_nodes import PARTS, local_matrix, parts_of
+from mien.face.foreign.rig_names import name_tables
+from mien.face.foreign.rig_nodes import PARTS, local_matrix, lowered_arms, parts_of
 from mien.face.posing import head_rotation
 
 __all__ = ["turns_of_nodes"]
@@ -32,6 +33,8 @@ def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Fl
     turns, result = turns_of_parts(track, face), {}
     flipped = np.diag([-1.0, 1.0, -1.0]) if face.turning.facing < 0 else np.eye(3)
     for part, number in nodes.items():
+        if part not in turns or (part == "jaw" and not face.jaw_turns):
+            continue
         parts = parts_of(local_matrix(document.list_of("nodes")[number]))
         if parts is None:
             continue
@@ -41,6 +44,10 @@ def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Fl
         flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0, -1.0, 1.0))
         quaternions[1:] *= flips[:, None]
         result[number] = quaternions
+    for number, matrix in lowered_arms(document, nodes).items() if face.arms else ():
+        posed = parts_of(matrix)
+        if posed is not None:
+            result[number] = np.tile(posed[1], (len(track), 1))
     missing = [
         told for part, told in PARTS.items() if nodes.get(part) not in result and part not in face.turning.by_shapes
     ]
@@ -50,10 +57,13 @@ def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Fl
 
 
 def turns_of_parts(track: ChannelTrack, face: ForeignFace) -> dict[str, Floats]:
-    """Matrices of the head and the eyes in every frame, shape (frames, 3, 3), in a face's own axes (z forward)."""
+    """Matrices of head, eyes and jaw in every frame, shape (frames, 3, 3), in a face's own axes (z forward)."""
     angles = track.select(("headYaw", "headPitch", "headRoll")).values
     turns = {"head": np.array([head_rotation(*row) for row in angles]).reshape(-1, 3, 3)}
-    degrees = face.turning.degrees
+    degrees, jaw = face.turning.degrees, name_tables()["jaw"]
+    across, down = (track.select(names).values for names in (("jawLeft", "jawRight"), ("jawOpen",)))
+    swing, drop = jaw["Side"] * (across[:, 0] - across[:, 1]), -jaw["Open"] * down[:, 0]
+    turns["jaw"] = np.array([head_rotation(y, p, 0.0) for y, p in zip(swing, drop, strict=True)]).reshape(-1, 3, 3)
     for side, outward in (("Left", 1.0), ("Right", -1.0)):
         look = {way: track.select([f"eyeLook{way}{side}"]).values[:, 0] * degrees[way] for way in degrees}
         yaw, pitch = outward * (look["Out"] - look["In"]), look["Up"] - look["Down"]

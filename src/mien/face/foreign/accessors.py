@@ -1,4 +1,4 @@
-"""Numbers out of a glTF file: plain, sparse, quantised and meshopt-compressed accessors.
+"""Numbers out of a glTF file: plain, sparse, quantised, meshopt- and Draco-compressed accessors.
 
 Source: glTF 2.0 specification, 3.6.2 (accessors, sparse ones in 3.6.2.3) and 3.11 (normalised integers);
 KHR_mesh_quantization; EXT_meshopt_compression (decoded by `mien.face.foreign.meshopt`).
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.core.limits import check_size
+from mien.face.foreign.draco import decoded_draco, uses_draco
 from mien.face.foreign.gltf_document import GltfDocument
 
 __all__ = ["AccessorReader"]
@@ -35,7 +36,13 @@ class AccessorReader:
     def _longest(self) -> int:
         """Elements of the longest accessor that has bytes of its own in the file: no other is longer in earnest."""
         counts = [facts.get("count") for facts in self.document.list_of("accessors") if "bufferView" in facts]
+        counts += [len(values) for values in self._draco.values()]
         return max([count for count in counts if isinstance(count, int)], default=0)
+
+    @cached_property
+    def _draco(self) -> dict[int, NDArray[Any]]:
+        """Values that Draco holds, by accessor."""
+        return decoded_draco(self.document) if uses_draco(self.document) else {}
 
     def read(self, number: object, width: int) -> NDArray[np.float64]:
         """An accessor as float64, shape (count, width); normalised integers come in 0..1 or -1..1.
@@ -92,6 +99,8 @@ class AccessorReader:
         check_size("numbers", count * width, f"{path}, accessor {number}")
         self._decoded += count * width
         check_size("numbers", self._decoded, f"{path}, accessors together")
+        if "bufferView" not in facts and "sparse" not in facts and isinstance(number, int) and number in self._draco:
+            return self._draco[number]
         if "bufferView" not in facts and count > self._longest:
             raise InputError(
                 f"{path}: accessor {number} has {count} elements and no bytes, others {self._longest} at most"

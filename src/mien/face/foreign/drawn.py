@@ -17,10 +17,11 @@ from mien.core.channels import HEAD
 from mien.core.errors import InputError
 from mien.core.tracks import ChannelTrack
 from mien.face.foreign.accessors import AccessorReader
+from mien.face.foreign.draco import draco_missing, uses_draco
 from mien.face.foreign.materials import Surface, SurfaceReader
 from mien.face.foreign.primitives import Piece, pieces_of_node
 from mien.face.foreign.recognition import ForeignFace
-from mien.face.foreign.rig_nodes import world_matrices
+from mien.face.foreign.rig_nodes import lowered_arms, world_matrices
 from mien.face.model import Eye, Face, Part, Target
 
 __all__ = ["DrawnFace", "drawn_face", "not_drawn"]
@@ -34,7 +35,6 @@ _CHIN, _RAMP = -125.0, 40.0
 _LEAST = 5e-3  # mm
 _FARTHEST = 1e7  # mm: the numbers of a damaged file
 _TRUNK = 0.021
-_NOT_DECODED = ("KHR_draco_mesh_compression",)
 _LOOKS = ("Up", "Down", "In", "Out")
 
 
@@ -67,6 +67,10 @@ class DrawnFace:
                     if target.drives and f"{mesh.number}/{place}" in used:
                         names.append(f"{mesh.number}/{place}")
                         columns.append(weights[:, place])
+        for name in sorted(used):
+            if name.startswith("jaw/"):
+                names.append(name)
+                columns.append(np.clip(channels.select([name[4:]]).values[:, 0], 0.0, 1.0))
         turning = [f"eyeLook{way}{eye.side}" for eye in {e.side: e for e in self.face.eyes}.values() for way in _LOOKS]
         turning += HEAD if "head" in self.foreign.turning.nodes else ()
         values = np.column_stack([*columns, channels.select(turning).values]) if turning else np.column_stack(columns)
@@ -87,6 +91,8 @@ class DrawnFace:
                             into = shares.setdefault(channel, {})
                             name = f"{mesh.number}/{place}"
                             into[name] = into.get(name, 0.0) + weight * drive.share
+        for name in {name for part in self.face.parts for name in part.targets if name.startswith("jaw/")}:
+            shares.setdefault(name[4:], {})[name] = 1.0
         parts = []
         for part in self.face.parts:
             targets = {channel: _summed(part, names) for channel, names in shares.items()}
@@ -107,11 +113,8 @@ def _summed(part: Part, shares: Mapping[str, float]) -> Target:
 
 def not_drawn(foreign: ForeignFace) -> str:
     """Why a face cannot be drawn, as far as that can be said without decoding it; "" if nothing speaks against it."""
-    for mesh in foreign.document.list_of("meshes"):
-        for primitive in mesh["primitives"]:
-            for name in _NOT_DECODED:
-                if name in (primitive.get("extensions") or {}):
-                    return f"its meshes are compressed with {name}, which mien does not decode (driving it works)"
+    if uses_draco(foreign.document) and draco_missing():
+        return f"its meshes are compressed with Draco (driving it works): {draco_missing()}"
     return "" if any("mesh" in node for node in foreign.document.list_of("nodes")) else "it has no node with a mesh"
 
 
@@ -128,7 +131,8 @@ def drawn_face(foreign: ForeignFace, *, pictures: bool = True) -> DrawnFace:
     if reason:
         raise InputError(f"{document.path} cannot be drawn: {reason}")
     reader, surfaces = AccessorReader(document), SurfaceReader(document, pictures)
-    world = world_matrices(document)
+    arms = lowered_arms(document, foreign.turning.nodes) if foreign.arms else {}
+    world = world_matrices(document, arms)
     try:
         pieces = [p for node in _shown(foreign) for p in pieces_of_node(foreign, node, world, reader, surfaces)]
     except (KeyError, IndexError, TypeError, AttributeError, ValueError) as problem:

@@ -14,7 +14,7 @@ from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.known_face import FEWEST, LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
 from mien.face.foreign.recognition import EMPTY, DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
-from mien.face.foreign.rig_nodes import PARTS
+from mien.face.foreign.rig_nodes import PARTS, lowered_arms
 from mien.face.foreign.target_geometry import Likeness, likenesses
 from mien.face.foreign.vrm import is_vrm
 
@@ -22,6 +22,7 @@ __all__ = [
     "FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face", "names_table",
 ]  # fmt: skip
 
+_TURNING = {**PARTS, "jaw": "jaw", "armLeft": "left arm", "armRight": "right arm"}
 _LYING = 0.25
 """A target that moves less like the channel of its name than this cosine, and surely like another, lies."""
 
@@ -178,7 +179,10 @@ class FaceReport:
                 told.append(f"  still, {reason}: {', '.join(names)}")
         told += [f"{name}: its name is not what it moves: {like}" for name, like in self.lying.items()]
         told += [f"{name}: left still, it moves like {like}" for name, like in self.proposals.items()]
-        told += [f"{PARTS[part]}: node {name!r} turns" for part, name in self.nodes.items()]
+        told += [
+            f"{_TURNING[part]}: node {name!r} {'is lowered' if part.startswith('arm') else 'turns'}"
+            for part, name in self.nodes.items()
+        ]
         told += [f"{part}: no node of such a name; it stays still" for part in self.still_nodes]
         told += [f"{part}: turned by its mesh's own shapes, not by its node" for part in self.shaped_nodes]
         if any("viseme" in title or "vowel" in title or "mouths" in title for title in self.conventions):
@@ -221,7 +225,13 @@ def face_report(face: ForeignFace) -> FaceReport:
     meshes = tuple(_mesh(face, number) for number, mesh in enumerate(face.meshes) if mesh.targets)
     tables = [target.convention for mesh in meshes for target in mesh.driven]
     moved = {c for mesh in meshes for target in mesh.driven for c, w in target.driven_by.items() if w > 0}
-    nodes = {part: str(document.list_of("nodes")[node].get("name", "")) for part, node in face.turning.nodes.items()}
+    moved |= {"jawOpen", "jawLeft", "jawRight"} if face.jaw_turns else set()
+    lowered = lowered_arms(document, face.turning.nodes) if face.arms else {}
+    nodes = {
+        part: str(document.list_of("nodes")[node].get("name", ""))
+        for part, node in face.turning.nodes.items()
+        if part in PARTS or (part == "jaw" and face.jaw_turns) or node in lowered
+    }
     asset = document.json.get("asset")
     version = is_vrm(document)
     likely, far = _by_motion(face)

@@ -154,6 +154,7 @@ def mouth_share(face: ForeignFace) -> float:
     """Share of the mouth's motion in speech that a face can show, 0..1."""
     drives = [drive for mesh in face.meshes for target in mesh.targets for drive in target.drives]
     moved = {channel for drive in drives for channel, weight in drive.match.recipe.items() if weight > 0}
+    moved |= {"jawOpen"} if face.jaw_turns else set()
     return float(sum(weight for channel, weight in _WEIGHT.items() if channel in moved) / sum(_WEIGHT.values()))
 
 

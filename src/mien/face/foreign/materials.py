@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mien.core.errors import InputError
 from mien.core.pictures import opened_picture
 from mien.face.foreign.gltf_document import GltfDocument
+from mien.face.foreign.ktx2 import is_ktx2, ktx2_pixels
 from mien.face.model import Material
 
 __all__ = ["Surface", "SurfaceReader", "srgb"]
@@ -106,15 +107,17 @@ class SurfaceReader:
         try:
             texture = self.document._entry("textures", given.get("index"))
             extensions = texture.get("extensions") or {}
-            source = texture.get("source", (extensions.get("EXT_texture_webp") or {}).get("source"))
+            named = [extensions[name] for name in ("EXT_texture_webp", "KHR_texture_basisu") if name in extensions]
+            source = texture.get("source", next((each.get("source") for each in named if isinstance(each, dict)), None))
             if source is None:
-                kinds = ", ".join(extensions) or "no picture"
-                raise InputError(f"its picture is {'KTX2' if 'KHR_texture_basisu' in extensions else kinds}")
+                raise InputError(f"its picture is {', '.join(extensions) or 'not there'}")
             image = self.document._entry("images", source)
             if "uri" in image:
                 data = self.document.bytes_at(image["uri"], f"picture {source}")
             else:
                 data = self.document.view(image.get("bufferView", -1))
+            if is_ktx2(data):
+                return ktx2_pixels(data, f"picture {source}", _LARGEST)
             with opened_picture(data, f"picture {source}") as opened:
                 opened.thumbnail((_LARGEST, _LARGEST))
                 return np.array(opened.convert("RGBA"), dtype=np.uint8)

@@ -14,6 +14,7 @@ from mien.face.foreign.accessors import AccessorReader
 from mien.face.foreign.materials import Surface, SurfaceReader, srgb
 from mien.face.foreign.recognition import ForeignFace
 from mien.face.foreign.rig_names import name_tables, spelling
+from mien.face.posing import head_rotation
 
 __all__ = ["Piece", "in_one_tile", "pieces_of_node", "rest_matrices", "triangles_of"]
 
@@ -107,6 +108,9 @@ def _piece(
     vertices = _turned(linear, np.arange(len(points)), points) + (
         matrices[:, :3, 3] if len(matrices) > 1 else matrices[0, :3, 3]
     )
+    if foreign.jaw_turns:
+        pivot = world[foreign.turning.nodes["jaw"]][:3, 3]
+        moved |= _by_jaw(vertices, share["jaw"], pivot, foreign.turning.facing)
     triangles = triangles_of(primitive, len(points), reader)
     if len(matrices) == 1 and np.linalg.det(linear[0]) < 0:
         triangles = triangles[:, ::-1]
@@ -116,6 +120,19 @@ def _piece(
     )
     eyes = np.where(share["eyeLeft"] > 0.5, 1, np.where(share["eyeRight"] > 0.5, 2, 0)).astype(np.int8)
     return piece, eyes
+
+
+def _by_jaw(vertices: Floats, share: Floats, pivot: Floats, facing: int) -> dict[str, tuple[Rows, Floats]]:
+    """How a jaw bone moves the vertices: the chord of its turn, as a target for each of its channels."""
+    degrees = name_tables()["jaw"]
+    rows = np.flatnonzero(share > 1e-3)
+    arm, found = vertices[rows] - pivot, {}
+    flip = np.diag([float(facing), 1.0, float(facing)])
+    turns = {"jawOpen": (0.0, -degrees["Open"]), "jawLeft": (degrees["Side"], 0.0), "jawRight": (-degrees["Side"], 0.0)}
+    for channel, (yaw, pitch) in turns.items():
+        turn = flip @ head_rotation(yaw, pitch, 0.0) @ flip
+        found[f"jaw/{channel}"] = (rows, share[rows, None] * (arm @ turn.T - arm))
+    return found if len(rows) else {}
 
 
 def _turned(linear: Floats, rows: Rows, offsets: Floats) -> Floats:
@@ -131,7 +148,7 @@ def _skinning(
     document, turning = foreign.document, foreign.turning.nodes
     under = {
         part: set(document.below(turning[part])) if part in turning else set()
-        for part in ("head", "eyeLeft", "eyeRight")
+        for part in ("head", "eyeLeft", "eyeRight", "jaw")
     }
     return rest_matrices(reader, node, attributes, count, world, under)
 

@@ -110,11 +110,19 @@ class ForeignFace:
     turning: Turning
     overrides: tuple[VrmExpression, ...] = ()
     proposals: Mapping[str, Likeness] = field(default_factory=dict)
+    arms: bool = True
+    """Whether arms that stand out to the sides are lowered."""
+
+    @property
+    def jaw_turns(self) -> bool:
+        """Whether a bone opens the mouth: there is one of the jaw, and no shape does it."""
+        drives = [drive for mesh in self.meshes for target in mesh.targets for drive in target.drives]
+        return "jaw" in self.turning.nodes and not any(d.match.recipe.get("jawOpen", 0) > 0 for d in drives)
 
     @property
     def moves(self) -> bool:
-        """Whether any morph target is driven."""
-        return any(mesh.moves for mesh in self.meshes)
+        """Whether any morph target is driven, or a bone opens the mouth."""
+        return self.jaw_turns or any(mesh.moves for mesh in self.meshes)
 
     def require_motion(self) -> None:
         """Refuse a face of which nothing could move.
@@ -128,7 +136,8 @@ class ForeignFace:
             return
         names = [target.name for mesh in self.meshes for target in mesh.targets if target.name]
         if not any(mesh.targets for mesh in self.meshes):
-            raise InputError(f"{self.document.path} has no morph targets: nothing could move")
+            told = "has no morph targets and no jaw bone: nothing could move ('mien face fit' gives a head its shapes)"
+            raise InputError(f"{self.document.path} {told}")
         if all(target.still == EMPTY for mesh in self.meshes for target in mesh.targets):
             raise InputError(f"{self.document.path}: all its morph targets are empty: nothing could move")
         told = f"its targets are {', '.join(names[:5])} ..." if names else "its targets have no names"

@@ -15,10 +15,13 @@ from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.rig_names import OwnNames, name_tables
 from mien.face.foreign.vrm import is_vrm, vrm_bones, vrm_eye_degrees
 
-__all__ = ["PARTS", "Turning", "local_matrix", "parts_of", "turning_nodes", "world_matrices"]
+__all__ = ["PARTS", "Turning", "local_matrix", "lowered_arms", "parts_of", "turning_nodes", "world_matrices"]
 
 Floats = NDArray[np.float64]
 PARTS = {"head": "head", "eyeLeft": "left eye", "eyeRight": "right eye"}
+"""What should turn on any face, in words."""
+_HANGING = 0.8  # of an arm's length: lower hands hang already
+_FOUND = (*PARTS, "jaw", "armLeft", "armRight")
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,8 @@ class Turning:
     Attributes
     ----------
     nodes : mapping of str to int
-        Nodes for ``head``, ``eyeLeft`` and ``eyeRight`` (the speaker's own), as far as there are any.
+        Nodes for ``head``, ``eyeLeft`` and ``eyeRight`` (the speaker's own), ``jaw``, ``armLeft`` and ``armRight``, as
+        far as there are any.
     by_shapes : tuple of str
         Those of the eyes that have nodes and are not turned by them, because shapes of the eyeballs do it.
     degrees : mapping of str to float
@@ -53,7 +57,7 @@ def turning_nodes(document: GltfDocument, own: OwnNames | None = None) -> Turnin
     """
     own = own or OwnNames()
     nodes = _by_names(document) | vrm_bones(document) | _own_nodes(document, own)
-    nodes = {part: node for part, node in nodes.items() if part in PARTS}
+    nodes = {part: node for part, node in nodes.items() if part in _FOUND}
     degrees = {**name_tables()["eyes"], **vrm_eye_degrees(document), **own.eyes}
     return Turning(nodes, degrees, _facing(document, nodes, own))
 
@@ -90,6 +94,8 @@ def _turns_by_itself(document: GltfDocument, place: int, part: str) -> bool:
     node = document.list_of("nodes")[place]
     if "skin" in node:
         return False
+    if part.startswith("arm"):
+        return "mesh" not in node and bool(node.get("children"))
     if "mesh" in node and part == "head":  # teeth and eyes beside it would stay behind
         below, nodes = set(document.below(place)), document.list_of("nodes")
         if any("mesh" in other and number not in below for number, other in enumerate(nodes)):
@@ -131,8 +137,11 @@ def local_matrix(node: Mapping[str, Any]) -> Floats:
     return matrix
 
 
-def world_matrices(document: GltfDocument) -> Floats:
-    """Matrices of all nodes at rest, shape (nodes, 4, 4), from their own axes to the file's."""
+def world_matrices(document: GltfDocument, turned: Mapping[int, Floats] | None = None) -> Floats:
+    """Matrices of all nodes at rest, shape (nodes, 4, 4), from their own axes to the file's.
+
+    ``turned`` gives some nodes other matrices of their own.
+    """
     nodes, parents = document.list_of("nodes"), document.parents()
     result = np.tile(np.eye(4), (max(len(nodes), 1), 1, 1))
     done: set[int] = set()
@@ -143,7 +152,7 @@ def world_matrices(document: GltfDocument) -> Floats:
             way.append(place)
             place = parents.get(place)
         for node in reversed(way):
-            own = local_matrix(nodes[node])
+            own = turned[node] if turned and node in turned else local_matrix(nodes[node])
             result[node] = result[parents[node]] @ own if node in parents else own
             done.add(node)
     return result
@@ -160,3 +169,31 @@ def parts_of(matrix: Floats) -> tuple[list[float], list[float], list[float]] | N
     if np.abs(turn.T @ turn - np.eye(3)).max() > 1e-4 or np.linalg.det(turn) < 0:
         return None
     return matrix[:3, 3].tolist(), Rotation.from_matrix(turn).as_quat().tolist(), scale.tolist()
+
+
+def lowered_arms(document: GltfDocument, nodes: Mapping[str, int]) -> dict[int, Floats]:
+    """Own matrices (4, 4) by node with which arms that stand out to the sides (T- and A-poses) hang down."""
+    from scipy.spatial.transform import Rotation
+
+    found = {}
+    world = world_matrices(document) if {"armLeft", "armRight"} & set(nodes) else np.zeros((0, 4, 4))
+    for part in ("armLeft", "armRight"):
+        children = document.list_of("nodes")[nodes[part]].get("children", []) if part in nodes else []
+        if not children:
+            continue
+        node = nodes[part]
+        arm = max((world[child][:3, 3] - world[node][:3, 3] for child in children), key=lambda v: float(v @ v))
+        length = float(np.linalg.norm(arm))
+        if length < 1e-9 or arm[1] < -_HANGING * length or abs(arm[0]) < 0.3 * length:
+            continue  # hangs already, or does not stand out sideways
+        goal = np.array([np.sign(arm[0]) * 0.25, -1.0, 0.0])
+        axis = np.cross(arm / length, goal / np.linalg.norm(goal))
+        angle = np.arctan2(np.linalg.norm(axis), arm @ goal / length / np.linalg.norm(goal))
+        turn = np.eye(4)
+        turn[:3, :3] = Rotation.from_rotvec(axis / max(float(np.linalg.norm(axis)), 1e-9) * angle).as_matrix()
+        parent = document.parents().get(node)
+        above = np.eye(4) if parent is None else world[parent]
+        posed = world[node].copy()
+        posed[:3, :3] = turn[:3, :3] @ world[node][:3, :3]
+        found[node] = np.asarray(np.linalg.solve(above, posed))
+    return found

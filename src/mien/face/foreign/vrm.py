@@ -15,7 +15,10 @@ from mien.face.foreign.gltf_document import GltfDocument
 
 __all__ = ["VrmExpression", "is_vrm", "vrm_bones", "vrm_expressions", "vrm_eye_degrees", "vrm_gaze_by_shapes"]
 
-_PARTS = {"head": "head", "leftEye": "eyeLeft", "rightEye": "eyeRight"}
+_PARTS = {
+    "head": "head", "leftEye": "eyeLeft", "rightEye": "eyeRight", "jaw": "jaw",
+    "leftUpperArm": "armLeft", "rightUpperArm": "armRight",
+}  # fmt: skip
 _RANGES = {  # of VRM 1 and VRM 0
     "In": ("rangeMapHorizontalInner", "lookAtHorizontalInner"),
     "Out": ("rangeMapHorizontalOuter", "lookAtHorizontalOuter"),
@@ -108,7 +111,7 @@ def _check_binds(document: GltfDocument, binds: tuple[tuple[int, int, float], ..
 
 
 def vrm_bones(document: GltfDocument) -> dict[str, int]:
-    """Nodes of the head and the eyes, as the avatar names them."""
+    """Nodes of the head, the eyes, the jaw and the upper arms, as the avatar names them."""
     found = {}
     one = (_extension(document, "VRMC_vrm").get("humanoid") or {}).get("humanBones") or {}
     zero = (_extension(document, "VRM").get("humanoid") or {}).get("humanBones") or []

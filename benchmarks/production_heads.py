@@ -1,0 +1,167 @@
+"""How near `mien face fit`, without a landmark, comes to the shapes that artists gave the same heads.
+
+::
+
+    MIEN_DATA=... python benchmarks/production_heads.py [openfacefx-0.24.0-py3-none-any.whl]
+
+writes ``docs/tables/production_heads.md``. The first head is ICT-FaceKit's (MIT, in the shared data), the second the
+head of three.js' facecap example, which lies in that wheel: a second artist's answer, and what two artists agree on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import os
+import tempfile
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from mien.core.channels import ARKIT
+from mien.core.files import replace_when_complete
+from mien.face.foreign.drawn import drawn_face
+from mien.face.foreign.known_face import known_face
+from mien.face.head_space import head_space
+from mien.face.surface import Surface
+from mien.fit.fit_head import FittedHead, GivenMesh, fit_head
+from mien.fit.mesh_files import read_mesh
+
+TABLE = Path(__file__).parent.parent / "docs" / "tables" / "production_heads.md"
+MOVING_MM = 0.5
+ABOUT = """
+Written by `python benchmarks/production_heads.py WHEEL`. Both heads have shapes of their artists; `mien face fit`
+gets the mesh alone, at rest, and no landmarks. Over the skin's vertices that the artist's shape moves by more than
+{moving} mm, **error** is the mean distance of our offsets from the artist's as a share of the mean movement (no shape
+at all: 100 %), **cosine** that of all offsets together. **Artists**: the second head's shapes carried to the first one
+by the same two fits, against the first artist's: how far two artists agree, and so what shapes of a third origin can be
+expected to reach.
+"""
+
+
+def ict_head() -> tuple[GivenMesh, dict[str, np.ndarray]]:
+    """Mesh in centimetres and true offsets in mm."""
+    folder = Path(os.environ["MIEN_DATA"]) / "ict-head"
+    with tempfile.TemporaryDirectory() as there:
+        plain = Path(there) / "neutral.obj"
+        plain.write_bytes(gzip.decompress((folder / "neutral.obj.gz").read_bytes()))
+        mesh = read_mesh(plain)
+    stored, truth = np.load(folder / "shapes.npz"), {}
+    for name in ARKIT:
+        short = name.removesuffix("Left") + "_L" if name.endswith("Left") else name.removesuffix("Right") + "_R"
+        parts = [key for key in (name, short, name + "_L", name + "_R") if key + ".vertices" in stored.files]
+        if parts:
+            truth[name] = np.zeros((len(mesh.vertices), 3))
+            for key in parts:
+                truth[name][stored[key + ".vertices"]] += 10.0 * stored[key + ".offsets"].astype(float)
+    return mesh, truth
+
+
+def facecap_head(wheel: Path) -> tuple[GivenMesh, dict[str, np.ndarray]]:
+    """Mesh and true offsets, both in mm."""
+    with tempfile.TemporaryDirectory() as there, zipfile.ZipFile(wheel) as archive:
+        path = archive.extract("openfacefx/studio_web/assets/facecap.glb", there)
+        face = drawn_face(known_face(path), pictures=False).by_channels()
+    starts = np.cumsum([0, *(len(part.vertices) for part in face.parts)])
+    vertices = np.concatenate([part.vertices for part in face.parts]).astype(float)
+    triangles = np.concatenate([part.triangles + start for part, start in zip(face.parts, starts, strict=False)])
+    truth = {name: np.zeros_like(vertices) for name in ARKIT if any(name in part.targets for part in face.parts)}
+    for part, start in zip(face.parts, starts, strict=False):
+        for name in truth:
+            if name in part.targets:
+                truth[name][part.targets[name].vertices + start] = part.targets[name].offsets
+    bare = GivenMesh(vertices, triangles, np.zeros((len(vertices), 2)), np.ones((len(vertices), 3)))
+    return bare, truth
+
+
+def on_skin(done: FittedHead, truth: dict[str, np.ndarray], unit: float) -> dict[str, np.ndarray]:
+    """True offsets on the vertices of the fitted skin's part, in its axes, mm."""
+    turn = done.alignment.to_face.turn
+    return {name: unit * offsets[done.kept] @ turn.T for name, offsets in truth.items()}
+
+
+def compared(mine: dict[str, np.ndarray], truth: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
+    found = {}
+    for name, wanted in truth.items():
+        size = np.linalg.norm(wanted, axis=1)
+        moving = size > MOVING_MM
+        if moving.sum() >= 5:
+            got, wanted = mine.get(name, np.zeros_like(wanted))[moving], wanted[moving]
+            error = np.linalg.norm(got - wanted, axis=1).mean() / size[moving].mean()
+            length = np.sqrt((got**2).sum() * (wanted**2).sum())
+            found[name] = (float(error), float((got * wanted).sum() / max(length, 1e-9)))
+    return found
+
+
+def ours(done: FittedHead) -> dict[str, np.ndarray]:
+    skin = done.face.part("skin")
+    found = {}
+    for name, target in skin.targets.items():
+        found[name] = np.zeros((len(skin.vertices), 3))
+        found[name][target.vertices] = target.offsets
+    return found
+
+
+def carried(source: FittedHead, shapes: dict[str, np.ndarray], goal: FittedHead) -> dict[str, np.ndarray]:
+    """One head's shapes on another, by way of the default skin that lies on both."""
+    space = head_space()
+    bent = Surface(goal.fit.vertices, space.triangles)
+    skin = goal.face.part("skin")
+    points = skin.vertices.astype(float)
+    away = Surface(points, skin.triangles)
+    found = bent.closest(points, away.normals)
+    at_source = Surface(source.fit.vertices, space.triangles)
+    places = np.einsum("qk,qkd->qd", found.weights, at_source.vertices[space.triangles[found.triangle]])
+    facing = np.einsum("qk,qkd->qd", found.weights, at_source.normals[space.triangles[found.triangle]])
+    own = source.face.part("skin")
+    there = Surface(own.vertices.astype(float), own.triangles).closest(places, facing)
+    matrix = there.matrix(own.triangles, len(own.vertices))
+    return {name: matrix @ offsets for name, offsets in shapes.items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("wheel", type=Path, nargs="?", help="the openfacefx 0.24.0 wheel")
+    wheel = parser.parse_args().wheel
+    mesh, truth = ict_head()
+    first = fit_head(mesh)
+    first_truth = on_skin(first, truth, first.alignment.to_face.scale / 10)
+    columns = {"ict-head": (first, compared(ours(first), first_truth))}
+    agreed = {}
+    if wheel is not None:
+        bare, other = facecap_head(wheel)
+        second = fit_head(bare)
+        second_truth = on_skin(second, other, second.alignment.to_face.scale)
+        columns["facecap"] = (second, compared(ours(second), second_truth))
+        agreed = compared(carried(second, second_truth, first), first_truth)
+    with replace_when_complete(TABLE) as unfinished:
+        unfinished.write_text(written(columns, agreed), encoding="utf-8")
+    print(TABLE)
+
+
+def written(columns: dict[str, tuple[FittedHead, dict[str, tuple[float, float]]]], agreed) -> str:  # type: ignore[no-untyped-def]
+    results = {name: rows for name, (_, rows) in columns.items()} | ({"artists": agreed} if agreed else {})
+    lines = ["# Heads of other makers against their artists' shapes", "", ABOUT.format(moving=MOVING_MM).strip(), ""]
+    lines += ["| | " + " | ".join(results) + " |", "| --- |" + " --- |" * len(results)]
+    for label, pick in (
+        ("error, median of the shapes", lambda v: f"{100 * np.median(v[:, 0]):.0f} %"),
+        ("cosine, median", lambda v: f"{np.median(v[:, 1]):.2f}"),
+        ("error, worst shape", lambda v: f"{100 * v[:, 0].max():.0f} %"),
+    ):
+        cells = [pick(np.array(list(rows.values()))) for rows in results.values()]
+        lines.append(f"| {label} | " + " | ".join(cells) + " |")
+    lines += ["", "What is seen of the fitted heads:", ""]
+    for name, (done, _) in columns.items():
+        lines.append(f"* {name}: " + "; ".join(finding.words for finding in done.findings))
+    lines += ["", "| shape | " + " | ".join(f"{name}: error, cosine" for name in results) + " |"]
+    lines.append("| --- |" + " --- |" * len(results))
+    for name in ARKIT:
+        cells = [f"{100 * r[name][0]:.0f} %, {r[name][1]:.2f}" if name in r else "" for r in results.values()]
+        if any(cells):
+            lines.append(f"| `{name}` | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()
