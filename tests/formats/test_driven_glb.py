@@ -112,7 +112,7 @@ def test_comes_before_the_animations_of_others(tmp_path: Path) -> None:
     drive_glb(_track(), tmp_path / "b.glb", tmp_path / "c.glb")
     for name in ("b.glb", "c.glb"):
         assert [one["name"] for one in read_gltf(tmp_path / name).json["animations"]] == ["mien", "idle"]
-    assert any("is the first" in note.message for note in notes)
+    assert any("performance is first" in note.message for note in notes)
 
 
 def test_bytes_kept_and_weights_written(tmp_path: Path) -> None:
