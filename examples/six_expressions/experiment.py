@@ -120,7 +120,7 @@ def run(participant, seed):
                 trials.addData(name, value)
             experiment.nextEntry()
             answered += 1
-            experiment.saveAsWideText(f"{written}.csv", appendFile=False)
+            experiment.saveAsWideText(f"{written}.csv", appendFile=False, fileCollisionMethod="overwrite")
         ask(window, "That was all. Thank you!", None)
     except ParticipantStoppedError:
         pass

@@ -117,7 +117,7 @@ def install(monkeypatch: pytest.MonkeyPatch, session: Session) -> None:
         def nextEntry(self) -> None:
             self.rows.append(self.trials.row | self.extra)
 
-        def saveAsWideText(self, path: str, appendFile: bool) -> None:
+        def saveAsWideText(self, path: str, appendFile: bool, fileCollisionMethod: str) -> None:
             with Path(path).open("w", newline="") as stream:
                 writer = csv.DictWriter(stream, self.rows[0])
                 writer.writeheader()

@@ -99,7 +99,6 @@ def test_glb_where_its_nodes_put_it(tmp_path):
         ("a.glb", glb(meshes=[{"primitives": [{"attributes": {"POSITION": 7}}]}]), "there is no accessors.7."),
         ("a.obj", b"v 0 0 0\nv 1 0 0\n", "has no faces"),
         ("a.stl", b"", "no STL file, or cut off"),
-        ("a.fbx", b"", "export it as .glb"),
         ("a.xyz", b"", "is read from .obj, .ply, .stl"),
     ],
 )

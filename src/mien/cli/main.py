@@ -231,8 +231,8 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         required=True,
-        help="file to write; its suffix picks the format: .mp4 .webm .mov .gif .png NAME%%05d.png .glb .usdz .usdc "
-        ".usda .c3d .csv .fap .TextGrid .wav .json",
+        help="file to write; its suffix picks the format: .mp4 .webm .mov .gif .png NAME%%05d.png .glb .fbx .usdz "
+        ".usdc .usda .c3d .csv .fap .TextGrid .wav .json",
     )
     parser.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
     parser.add_argument("--fps", default="30", help="frames per second (default 30)")

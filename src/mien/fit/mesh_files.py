@@ -70,8 +70,6 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
         mesh = _unpainted(*read_stl(path))
     elif suffix in USD_SUFFIXES:
         mesh = _unpainted(*read_usd_mesh(path))
-    elif suffix == ".fbx":
-        raise InputError(f"{path}: FBX is not read: export it as .glb, in Blender with File > Export > glTF 2.0")
     elif is_gltf(path):
         mesh = read_glb_mesh(path)
     else:

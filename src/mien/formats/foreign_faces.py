@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.recognition import ForeignFace
 from mien.face.render.view import View
 from mien.formats.driven_glb import NAME, drive_glb
+from mien.formats.fbx import fbx_of
 from mien.formats.registry import GlbStyle, Progress, draws_pictures, save
 
 __all__ = ["save_on_foreign"]
@@ -31,6 +33,11 @@ def save_on_foreign(
         if glb is not None and (glb.compact or glb.meshopt):
             told = f"{target.name}: --compact is for mien's own face; yours is written as it is"
             return (*notes, Note("warning", told))
+        return notes
+    if target.suffix.lower() == ".fbx":
+        with tempfile.TemporaryDirectory(prefix="mien") as folder:
+            notes = drive_glb(animation.channels, face, Path(folder) / "face.glb")
+            fbx_of(Path(folder) / "face.glb", target, animation.rate)
         return notes
     if draws_pictures(target):
         drawn = drawn_face(face)

@@ -169,6 +169,23 @@ def _styled_glb(animation: Animation, path: Path, face: Face | None, style: GlbS
     return write_glb(animation, _needed(face), path, compact=style.compact, meshopt=style.meshopt, clip=clip)
 
 
+def _write_fbx(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
+    import tempfile
+
+    from mien.formats.fbx import fbx_of
+
+    with tempfile.TemporaryDirectory(prefix="mien") as folder:
+        notes = _write_glb(animation, Path(folder) / "face.glb", face, None)
+        fbx_of(Path(folder) / "face.glb", path, animation.rate)
+    return notes
+
+
+def _check_fbx() -> None:
+    from mien.formats.fbx import check_fbx
+
+    check_fbx()
+
+
 def _write_livelink(animation: Animation, path: Path, _: Face | None, __: Progress | None) -> tuple[Note, ...]:
     from mien.formats.livelink import write_livelink
 
@@ -279,6 +296,14 @@ EXPORTERS: tuple[Exporter, ...] = (
         "the sound itself, markers, phones, score; skin scatter; textures are JPEG, numbers 32-bit",
         True,
         _write_glb,
+    ),
+    Exporter(
+        ".fbx",
+        "animated 3D face, by way of Blender (FBX, morph targets by name)",
+        "the sound, markers, words, phones, score; what a GLB loses; textures are embedded",
+        True,
+        _write_fbx,
+        _check_fbx,
     ),
     Exporter(
         ".usdz",

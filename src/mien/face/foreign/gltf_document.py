@@ -22,7 +22,7 @@ from mien.core.limits import file_beside, read_bytes
 __all__ = ["BIN", "JSON", "SUFFIXES", "GltfDocument", "is_gltf", "read_gltf"]
 
 JSON, BIN = 0x4E4F534A, 0x004E4942
-SUFFIXES = (".glb", ".vrm", ".gltf")
+SUFFIXES = (".glb", ".vrm", ".gltf", ".fbx")
 _LISTS = (
     "nodes", "meshes", "skins", "accessors", "bufferViews", "buffers", "images", "animations", "scenes", "materials",
     "textures",
@@ -147,7 +147,7 @@ class GltfDocument:
 
 @guarded("a glTF file")
 def read_gltf(path: str | Path) -> GltfDocument:
-    """Read a ``.glb``, ``.vrm`` or ``.gltf`` file.
+    """Read a ``.glb``, ``.vrm`` or ``.gltf`` file, or an ``.fbx`` by way of Blender.
 
     Raises
     ------
@@ -156,6 +156,10 @@ def read_gltf(path: str | Path) -> GltfDocument:
     """
     path = Path(path)
     content = read_bytes(path)
+    if path.suffix.lower() == ".fbx":
+        from mien.face.foreign.blender_bridge import converted
+
+        content = converted(content, ".fbx", ".glb", name=str(path))
     if content[:4] == b"glTF":
         document = _binary(path, content)
     elif path.suffix.lower() == ".gltf" or content.lstrip()[:1] == b"{":
