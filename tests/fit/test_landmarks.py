@@ -49,7 +49,7 @@ def test_notations(tmp_path, name, text):
         ("a.json", '{"chin": "left"}', "expected numbers"),
         ("a.json", '{"chin": 1.5}', "one number is a vertex"),
         ("a.toml", "chin = [1, 2", "no TOML"),
-        ("a.txt", "", "read from .csv, .json or .toml"),
+        ("a.txt", "", "read from .csv, .json, .toml or .pts"),
     ],
 )
 def test_faults(tmp_path, name, text, told):
@@ -62,3 +62,19 @@ def test_faults(tmp_path, name, text, told):
 def test_missing_file(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_landmarks(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(("name", "numbered"), [("a.pts", False), ("a.csv", True)])
+def test_ibug_68(tmp_path, name, numbered):
+    points = np.arange(68 * 3).reshape(68, 3)
+    if numbered:
+        text = "x,y,z\n" + "\n".join(",".join(map(str, (i, *row))) for i, row in enumerate(points))
+    else:
+        text = "version: 1\nn_points: 68\n{\n" + "\n".join(" ".join(map(str, row)) for row in points) + "\n}\n"
+    (tmp_path / name).write_text(text)
+    found = read_landmarks(tmp_path / name)
+    assert found["eye_outer_right"] == tuple(points[36])
+    assert found["lid_upper_left"] == tuple((points[43] + points[44]) / 2)
+    (tmp_path / "b.pts").write_text("1 2 3\n")
+    with pytest.raises(InputError, match="68 rows"):
+        read_landmarks(tmp_path / "b.pts")

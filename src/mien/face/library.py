@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeGuard
 
-from mien.core.errors import unknown_name
+from mien.core.errors import InputError, unknown_name
 from mien.face.default_face import default_face
 from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
@@ -63,6 +63,11 @@ def load_face(name: str | Path = "default") -> Face:
     """
     if str(name).lower().endswith(".obj"):
         return face_of_mesh(read_obj(name), Path(name).stem)
+    kind = Path(name).suffix.lower()
+    if kind == ".fbx":
+        raise InputError(f"{name}: FBX is not read: export it as .glb, in Blender with File > Export > glTF 2.0")
+    if kind in (".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz"):
+        raise InputError(f"{name} is a bare mesh, without shapes: 'mien face fit {name} -o FACE.npz' gives it some")
     if isinstance(name, Path) or str(name).endswith(".npz"):
         return read_face(name)
     if name == "default":

@@ -10,6 +10,8 @@ gives some of them, in one of three notations::
 
     nose_tip = [0, -35, 42]                      TOML
     chin = 733
+
+or the 68 points of iBUG's scheme (Sagonas et al. 2013) in their order: a ``.pts`` file, or a CSV of 68 rows of numbers.
 """
 
 from __future__ import annotations
@@ -33,7 +35,16 @@ from mien.core.tables import parsed_table
 
 __all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
 
-_KINDS = {".csv": "CSV", ".json": "JSON", ".toml": "TOML"}
+_KINDS = {".csv": "CSV", ".json": "JSON", ".toml": "TOML", ".pts": "PTS"}
+_IBUG: dict[str, tuple[int, ...]] = {  # counted from 0; the mean of several
+    "eye_outer_right": (36,), "eye_inner_right": (39,), "eye_inner_left": (42,), "eye_outer_left": (45,),
+    "nose_tip": (30,), "nose_bridge": (27,), "nose_base": (33,), "nose_wing_right": (31,), "nose_wing_left": (35,),
+    "lip_corner_right": (48,), "lip_corner_left": (54,), "lip_upper_outer": (51,), "lip_lower_outer": (57,),
+    "lip_upper_inner": (62,), "lip_lower_inner": (66,), "chin_bottom": (8,), "lid_upper_right": (37, 38),
+    "lid_lower_right": (40, 41), "lid_upper_left": (43, 44), "lid_lower_left": (46, 47), "brow_outer_right": (17,),
+    "brow_middle_right": (19,), "brow_inner_right": (21,), "brow_inner_left": (22,), "brow_middle_left": (24,),
+    "brow_outer_left": (26,),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -99,13 +110,18 @@ def read_landmarks(path: str | Path, width: int = 3) -> dict[str, tuple[float, .
     kind = _KINDS.get(path.suffix.lower())
     if kind is None:
         raise InputError(
-            f"{path}: landmarks are read from .csv, .json or .toml, not from {path.suffix or 'no suffix'!r}"
+            f"{path}: landmarks are read from .csv, .json, .toml or .pts, not from {path.suffix or 'no suffix'!r}"
         )
     return parsed_landmarks(read_plain_text(path, "landmarks")[0], kind, str(path), width)
 
 
 def parsed_landmarks(text: str, kind: str, where: str, width: int) -> dict[str, tuple[float, ...]]:
     """Landmarks out of a text in one of the notations; `read_landmarks` says more."""
+    points = _sixty_eight(text, width) if kind in ("CSV", "PTS") else None
+    if points is not None:
+        return {name: tuple(points[list(numbers)].mean(axis=0).tolist()) for name, numbers in _IBUG.items()}
+    if kind == "PTS":
+        raise InputError(f"{where}: no iBUG file: 68 rows of {width} numbers are expected")
     if kind == "CSV":
         return _from_csv(text, where, width)
     try:
@@ -115,6 +131,23 @@ def parsed_landmarks(text: str, kind: str, where: str, width: int) -> dict[str, 
     if isinstance(data, dict) and isinstance(data.get("landmarks"), dict):
         data = data["landmarks"]
     return checked_landmarks(data, where, width)
+
+
+def _sixty_eight(text: str, width: int) -> NDArray[np.float64] | None:
+    """The 68 rows of numbers of a text that holds nothing else but iBUG's frame and a head line."""
+    rows = []
+    for line in text.replace(",", " ").splitlines():
+        words = line.split()
+        if not words or words[0].lower().rstrip(":") in ("version", "n_points", "{", "}", "x", "#"):
+            continue
+        try:
+            rows.append([float(word) for word in words])
+        except ValueError:
+            return None
+    if len(rows) != 68 or {len(row) for row in rows} - {width, width + 1} or len({len(row) for row in rows}) > 1:
+        return None
+    points = np.array(rows)[:, -width:]  # (a number before the coordinates is the point's own)
+    return points if np.isfinite(points).all() else None
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
