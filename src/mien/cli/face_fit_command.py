@@ -22,7 +22,7 @@ def add_command(kinds: Any) -> None:
     parser.add_argument(
         "--landmarks",
         metavar="POINTS",
-        help=".csv, .json or .toml: names with places or vertices, or iBUG's 68 points (.pts too); hints (default: found)",
+        help=".csv, .json or .toml: names with places or vertices, or iBUG's 68 points (.pts); hints (default: found)",
     )
     parser.add_argument(
         "-o",

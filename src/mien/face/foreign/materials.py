@@ -18,6 +18,7 @@ __all__ = ["Surface", "SurfaceReader", "srgb"]
 
 _LARGEST = 2048  # pixels of a texture's side; larger ones are halved
 _SKIN = ("skin", "face", "head", "body", "wolf3d_avatar")
+_SEEN_THROUGH = 0.65  # of the whole material: below it what lies behind counts more (glasses show the eyes)
 _PLAIN_SKIN = (0.80, 0.62, 0.54)  # where a picture of skin cannot be read: hand-made
 _PLAIN = (0.62, 0.60, 0.58)
 
@@ -99,7 +100,7 @@ class SurfaceReader:
             transform=_transform(given),
             opacity=opacity if opacity is not None and opacity.min() < 255 else None,
             cutoff=float(facts.get("alphaCutoff", 0.5)) if mode == "MASK" else 0.35,
-            hidden=alpha < 0.35,
+            hidden=alpha < _SEEN_THROUGH,
         )
 
     def _picture(self, given: dict[str, Any], name: str) -> NDArray[np.uint8] | None:
