@@ -230,9 +230,9 @@ def recordings(corpus: Corpus, count: int) -> list[str]:
 # ------------------------------------------------------------------ through the real tracker
 
 
-def tracked(face: Face, weights: np.ndarray) -> MarkerTrack:
+def tracked(face: Face, weights: np.ndarray, side: int = 512) -> MarkerTrack:
     """A face that performs, drawn and tracked, cleaned as an import does."""
-    poser, renderer = Poser(face, WEIGHTS), Renderer(face, 512, 512, Camera.head_shot(face, 1.0))
+    poser, renderer = Poser(face, WEIGHTS), Renderer(face, side, side, Camera.head_shot(face, 1.0))
     points = shared_tracker().landmarks(renderer.render(poser.pose(row)) for row in weights)
     recipe, layout = load_recipe("grid"), load_layout("mediapipe-218")
     numbers = {name: number for number, name in layout.landmarks.items()}
