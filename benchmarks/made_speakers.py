@@ -20,9 +20,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from capture import made_head, tracked  # benchmarks/capture.py, beside this file
 from numpy.typing import NDArray
 
+from capture import made_head, tracked  # benchmarks/capture.py, beside this file
 from mien.capture.capture import capture_take
 from mien.capture.person import fit_person
 from mien.core.audio import Audio
@@ -65,7 +65,8 @@ class Style:
         at = {name: place for place, name in enumerate(WEIGHTS)}
         opened = [at["jawOpen"], at["mouthClose"]]
         done[:, opened] *= self.jaw
-        lips = [at[name] for name in (*ROUND, *(f"mouth{n}{s}" for n in ("Smile", "Stretch") for s in ("Left", "Right")))]
+        spread = [f"mouth{name}{side}" for name in ("Smile", "Stretch") for side in ("Left", "Right")]
+        lips = [at[name] for name in (*ROUND, *spread)]
         frames = np.arange(len(done))
         for place in lips:
             done[:, place] = np.interp(frames - self.late * fps, frames, done[:, place])

@@ -12,6 +12,7 @@ from mien.corpus.recordings import Corpus
 from mien.metrics.baselines import Cosine
 from mien.metrics.compared_models import contenders
 from mien.metrics.evaluation import CAPTURED, RECORDING, REPETITIONS, Evaluation
+from mien.metrics.fold_jobs import Away
 from mien.metrics.plot import draw_trajectories, write_trajectories
 from mien.metrics.protocols import evaluate_folds, evaluate_performer, recordings
 from mien.metrics.results_report import markdown, put_section
@@ -105,6 +106,13 @@ def test_models_learn_from_the_training_takes_alone(made: Corpus) -> None:
 def test_the_same_seed_gives_the_same_evaluation(made: Corpus, random_evaluation: Evaluation) -> None:
     ready, _ = recordings(made)
     again = evaluate_folds(ready, random_evaluation.folds, QUICK)
+    assert markdown(again, "#") == markdown(random_evaluation, "#")
+
+
+def test_other_processes_learn_the_same(made: Corpus, random_evaluation: Evaluation) -> None:
+    ready, _ = recordings(made)
+    away = Away(str(made.folder), False, workers=1)
+    again = evaluate_folds(ready, random_evaluation.folds, QUICK, away=away)
     assert markdown(again, "#") == markdown(random_evaluation, "#")
 
 

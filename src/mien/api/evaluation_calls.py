@@ -13,6 +13,7 @@ from mien.corpus.take import Take
 from mien.metrics import splits
 from mien.metrics.compared_models import contenders
 from mien.metrics.evaluation import Evaluation
+from mien.metrics.fold_jobs import Away
 from mien.metrics.protocols import evaluate_folds, evaluate_performer, recordings
 from mien.motion.mouth.learned_mouth import LearnedMouth
 from mien.motion.mouth.speech_model import SpeechModel
@@ -40,6 +41,8 @@ def evaluate(
     models: Sequence[str] | None = None,
     seed: int = 0,
     progress: Progress | None = None,
+    workers: int | None = 0,
+    cluster: str | None = None,
 ) -> Evaluation:
     """Score models on the mouth that the default face shows (``docs/metrics.md``).
 
@@ -62,6 +65,10 @@ def evaluate(
     seed : int
         Of the split and the bootstrap.
     progress : callable (done, total, what) or None
+    workers : int or None
+        Processes in which models are learned; 0: in this one, None: one per core. The result is the same.
+    cluster : str or None
+        Address of a Dask scheduler, on whose workers models are learned.
 
     Returns
     -------
@@ -86,10 +93,13 @@ def evaluate(
     if heldout is not None:
         raise InputError(f"{heldout}: a second corpus is for a performer, 'mien evaluate PERFORMER HELDOUT'")
     _check_protocol(protocol, words, test_names, folds)
-    makers = contenders(models, unseen_words=protocol == PROTOCOLS[1])
-    ready, notes = recordings(_opened(subject))
+    unseen = protocol == PROTOCOLS[1]
+    makers = contenders(models, unseen_words=unseen)
+    corpus = _opened(subject)
+    ready, notes = recordings(corpus)
     parts = _folds([r.take for r in ready.values()], protocol, words, test_names, folds, np.random.default_rng(seed))
-    return evaluate_folds(ready, parts, makers, seed=seed, notes=notes, progress=progress)
+    away = Away(str(corpus.folder), unseen, workers, cluster) if workers != 0 or cluster is not None else None
+    return evaluate_folds(ready, parts, makers, seed=seed, notes=notes, progress=progress, away=away)
 
 
 def is_performer(subject: str | Path | Corpus) -> bool:

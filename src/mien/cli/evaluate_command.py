@@ -36,6 +36,8 @@ def add_command(commands: Any) -> None:
     parser.add_argument("--folds", type=int, help="how many of the 8 parts are tested in turn (default 1)")
     parser.add_argument("--models", metavar="A,B", help="only these rows (default: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the split and the bootstrap (default 0)")
+    parser.add_argument("--workers", type=int, default=0, help="processes that learn (default 0: this one)")
+    parser.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster, with the same result")
     parser.add_argument("--report", metavar="FILE.md", help="also write it into a section of this file, with a picture")
     parser.add_argument("--quiet", action="store_true", help="no progress; warnings and errors only")
     parser.set_defaults(run=_evaluate)
@@ -66,6 +68,8 @@ def _evaluate(options: argparse.Namespace) -> int:
             models=options.models.split(",") if options.models else None,
             seed=options.seed,
             progress=progress,
+            workers=options.workers,
+            cluster=options.cluster,
         )
     _tell(evaluation, *_titled(options), options)
     return 0

@@ -34,6 +34,7 @@ __all__ = [
     "ClosureCounts",
     "closure_counts",
     "evaluate",
+    "shut_together",
     "validate",
     "validate_faces",
 ]
@@ -206,12 +207,11 @@ def evaluate(
     """
     pair, one, other = _openings(reference, estimate, counted)
     held = pair.counted
-    shut = [held & (opening < CLOSED) for opening in (one, other)]
-    near = [_widened(each, pair.fps) for each in shut]
-    recall, precision = _share(shut[0], near[1]), _share(shut[1], near[0])
+    own, found, others, right = (float(count) for count in shut_together(one, other, held, pair.fps))
+    recall, precision = _share(found, own), _share(right, others)
     scores = {
-        "shut_reference": float(shut[0].sum() / held.sum()),
-        "shut_estimate": float(shut[1].sum() / held.sum()),
+        "shut_reference": own / float(held.sum()),
+        "shut_estimate": others / float(held.sum()),
         "shut_recall": recall,
         "shut_precision": precision,
         "shut_f1": _f1(recall, precision),
@@ -230,6 +230,34 @@ def evaluate(
     return scores
 
 
+def shut_together(reference: Array, estimate: Array, counted: NDArray[np.bool_], fps: float) -> Array:
+    """Are the lips of one face shut when the other's are? Whatever phones say.
+
+    Parameters
+    ----------
+    reference, estimate : ndarray, shape (frames,)
+        Lip openings, mm.
+    counted : ndarray of bool, shape (frames,)
+    fps : float
+
+    Returns
+    -------
+    ndarray, shape (4,)
+        Frames that the reference shuts, those of them within `TOLERANCE` of a shut one of the estimate; the same the
+        other way round.
+
+    Examples
+    --------
+    >>> one, other = np.array([5.0, 0.2, 0.2, 5.0, 5.0, 5.0, 5.0]), np.array([5.0, 5.0, 5.0, 0.1, 5.0, 5.0, 0.1])
+    >>> shut_together(one, other, np.ones(7, dtype=bool), 25.0).tolist()
+    [2.0, 1.0, 2.0, 1.0]
+    """
+    shut = [counted & (np.nan_to_num(opening, nan=np.inf) < CLOSED) for opening in (reference, estimate)]
+    near = [_widened(each, fps) for each in shut]
+    pairs = ((shut[0], near[1]), (shut[1], near[0]))
+    return np.array([float(count) for one, other in pairs for count in (one.sum(), (one & other).sum())])
+
+
 def _openings(
     reference: FaceTrack, estimate: FaceTrack, counted: NDArray[np.bool_] | None
 ) -> tuple[Pair, Array, Array]:
@@ -245,8 +273,8 @@ def _widened(shut: NDArray[np.bool_], fps: float) -> NDArray[np.bool_]:
     return np.asarray(np.convolve(shut, np.ones(2 * reach + 1), mode="same") > 0)
 
 
-def _share(frames: NDArray[np.bool_], found: NDArray[np.bool_]) -> float:
-    return float((frames & found).sum() / frames.sum()) if frames.any() else float("nan")
+def _share(some: float, of: float) -> float:
+    return some / of if of else float("nan")
 
 
 def _f1(recall: float, precision: float) -> float:

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Self
 
 from mien.core.errors import unknown_name
+from mien.corpus.take import Take
 from mien.metrics.baselines import Cosine, MeanPose, Model, Ridge
 from mien.metrics.dominance import Dominance
 from mien.metrics.perceptron import Perceptron
-from mien.motion.graph.combined_motion import CombinedMotion, CombinedMotionSettings
+from mien.motion.graph.combined_motion import CombinedMotion, CombinedMotionSettings, learned_residuals
 from mien.motion.graph.graph_motion import GraphMotion, GraphMotionSettings
 from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
-from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
+from mien.motion.mouth.speech_motion import SpeechMotion
 
-__all__ = ["contenders"]
+__all__ = ["OF_ONE_LEARNING", "contenders"]
+
+OF_ONE_LEARNING = ("influence curves", "speech motion", "both")
+"""Rows that are learned at once: the second has the first in it, the third the second."""
 
 _MARKERS = "markers"
 
@@ -47,6 +52,7 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
     """
     reach = 0.16 if unseen_words else 0.32
     paper = CoarticulationSettings(key_per_phone=True, learn_in=_MARKERS)
+    once = _Once()
     every: dict[str, Callable[[], Model]] = {
         "mean pose": MeanPose,
         "cosine": Cosine,
@@ -55,12 +61,12 @@ def contenders(names: Sequence[str] | None = None, *, unseen_words: bool = False
         "perceptron": lambda: Perceptron(reach=reach),
         "diphones": lambda: Coarticulation(replace(paper, triphones=False)),
         "triphones": lambda: Coarticulation(paper),
-        "influence curves": lambda: SpeechMotion(SpeechMotionSettings(correction_share=0.0)),
-        "speech motion": SpeechMotion,
+        "influence curves": lambda: _InfluenceCurves(once),
+        "speech motion": lambda: _SpeechMotion(once),
         "paper's graph": lambda: GraphMotion(replace(GraphMotionSettings.of_the_paper(), learn_in=_MARKERS)),
         "graph": GraphMotion,
         "both in markers": lambda: CombinedMotion(_in_markers()),
-        "both": CombinedMotion,
+        "both": lambda: _Both(once),
     }
     if names is None:
         return every
@@ -77,3 +83,43 @@ def _in_markers() -> CombinedMotionSettings:
         speech=replace(settings.speech, learn_in=_MARKERS),
         graph=replace(settings.graph, learn_in=_MARKERS),
     )
+
+
+class _Once:
+    """The speech motion of some takes, learned when it is first asked for and kept until other takes come."""
+
+    def __init__(self) -> None:
+        self._takes: tuple[int, ...] = ()
+
+    def of(self, takes: Sequence[Take]) -> SpeechMotion:
+        asked = tuple(id(take) for take in takes)
+        if asked != self._takes:
+            self._takes, self._kept, self._learned = asked, tuple(takes), SpeechMotion().fit(takes)
+        return self._learned
+
+
+class _SpeechMotion(SpeechMotion):
+    def __init__(self, once: _Once) -> None:
+        super().__init__()
+        self._once = once
+
+    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+        vars(self).update(vars(self._once.of(takes)))
+        return self
+
+
+class _InfluenceCurves(_SpeechMotion):
+    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+        vars(self).update(vars(self._once.of(takes).explicit(takes)))
+        return self
+
+
+class _Both(CombinedMotion):
+    def __init__(self, once: _Once) -> None:
+        super().__init__()
+        self._once = once
+
+    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+        speech = self._once.of(takes)
+        graph = GraphMotion(self.settings.graph).fit(takes).graph_
+        return self.restore(speech, learned_residuals(speech, graph, takes, self.settings.seed))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
-from mien.metrics.closure import closure_counts
+from mien.metrics.closure import closure_counts, shut_together
 from mien.metrics.distance import squared_distances
 from mien.metrics.mouth_distributions import distributions
 from mien.metrics.pairing import frontal
@@ -55,9 +55,9 @@ def tally(
     -------
     mapping of str to ndarray
         ``distance``, ``lip_distance``, ``frontal`` (lips in x and y) and ``lips`` (sum, count), ``jitter`` (sum,
-        count), the moments of ``opening``, ``width``, ``opening_velocity`` and ``width_velocity``, ``closure`` (4
-        counts), ``sync`` (lag, onset lag, whether the lag goes unnoticed; each followed by its count), and what
-        `mien.metrics.mouth_distributions` counts.
+        count), the moments of ``opening``, ``width``, ``opening_velocity`` and ``width_velocity``, ``closure`` and
+        ``shut`` (4 counts each), ``sync`` (lag, onset lag, whether the lag goes unnoticed; each followed by its
+        count), and what `mien.metrics.mouth_distributions` counts.
 
     Raises
     ------
@@ -72,17 +72,19 @@ def tally(
         )
     laid = synthesised if offset is None else synthesised - offset
     squared = squared_distances(recorded[counted], laid[counted])
-    flat = ((recorded - laid)[counted][:, sites.lips, :2] ** 2).sum(axis=2)
     between = frontal if from_the_front else separation
+    openings = [between(positions, *sites.opening) for positions in (recorded, synthesised)]
+    flat = ((recorded - laid)[counted][:, sites.lips, :2] ** 2).sum(axis=2)
     result = {
         "distance": np.array([squared.sum(), squared.size]),
         "lip_distance": np.array([squared[:, sites.lips].sum(), squared[:, sites.lips].size]),
         "frontal": np.array([flat.sum(), flat.size]),
         "lips": np.array([squared[:, sites.lips].max(axis=1).sum(), len(squared)]),
         "jitter": _jitter(synthesised, counted),
-        "closure": _closure(recording, between(synthesised, *sites.opening), counted),
-        "sync": _sync(recording, [between(positions, *sites.opening) for positions in (recorded, synthesised)]),
-        **distributions(between(synthesised, *sites.opening), recording.times, recording.take.phones, counted),
+        "closure": _closure(recording, openings[1], counted),
+        "shut": _shut(recording, openings, counted),
+        "sync": _sync(recording, openings),
+        **distributions(openings[1], recording.times, recording.take.phones, counted),
     }
     for name, (one, other) in (("opening", sites.opening), ("width", sites.width)):
         curves = [between(positions, one, other) for positions in (recorded, synthesised)]
@@ -107,6 +109,10 @@ def _closure(recording: Recording, opening: Array, counted: NDArray[np.bool_]) -
         return np.zeros(4)
     counts = closure_counts(opening, recording.times, recording.take.phones, counted)
     return np.array([counts.bilabials, counts.found, counts.closed_frames, counts.right_frames], dtype=np.float64)
+
+
+def _shut(recording: Recording, curves: Sequence[Array], counted: NDArray[np.bool_]) -> Array:
+    return shut_together(curves[0], curves[1], counted, recording.fps) if recording.sites.inner else np.zeros(4)
 
 
 def _sync(recording: Recording, curves: Sequence[Array]) -> Array:

@@ -137,12 +137,12 @@ class CountedRows:
             if known[held].all():
                 self._keep(self._markers, REPETITIONS, name, repeated)
 
-    def add(self, row: str, name: str, model: object, motion: Array) -> None:
-        """What a model gave for a take: channels (frames, channels) or markers (frames, markers, 3)."""
+    def add(self, row: str, name: str, moved: Sequence[str], motion: Array) -> None:
+        """What a model moves, and what it gave for a take: (frames, channels) or of markers (frames, markers, 3)."""
         if motion.ndim == MARKERS:
             self._keep(self._markers, row, name, motion)
         else:
-            self.show(row, name, ChannelTrack(names_of(model), motion, self.ready[name].take.markers.rate))
+            self.show(row, name, ChannelTrack(tuple(moved), motion, self.ready[name].take.markers.rate))
 
     def show(self, row: str, name: str, track: ChannelTrack) -> None:
         """Channels that a take was performed with."""
@@ -228,7 +228,7 @@ class CountedRows:
 def names_of(model: object) -> tuple[str, ...]:
     """What a model moves, in the order in which it gives it."""
     space = getattr(model, "mouth_", None)
-    return tuple(space.names if space is not None else getattr(model, "markers_"))  # noqa: B009 - either is there
+    return tuple(space.names if space is not None else getattr(model, "markers_", ()))
 
 
 def _add(tallies: dict[str, Tally], name: str, new: Tally) -> None:

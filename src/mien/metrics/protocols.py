@@ -18,9 +18,10 @@ from mien.core.utterance import Utterance
 from mien.corpus.recordings import Corpus
 from mien.metrics.baselines import Model
 from mien.metrics.evaluation import MARKERS, CountedRows, Evaluation, names_of
+from mien.metrics.fold_jobs import Answer, Away, answer_of, spoken
 from mien.metrics.scored_takes import Recording, prepare
 from mien.metrics.splits import Fold
-from mien.motion.mouth.speech_model import SpeechModel, synthesise
+from mien.motion.mouth.speech_model import SpeechModel
 from mien.motion.performer import MouthModel
 
 __all__ = ["evaluate_folds", "evaluate_performer", "recordings"]
@@ -62,6 +63,7 @@ def evaluate_folds(
     seed: int = 0,
     notes: Sequence[Note] = (),
     progress: Progress | None = None,
+    away: Away | None = None,
 ) -> Evaluation:
     """Learn every model afresh for each fold and score it on the fold's test.
 
@@ -76,25 +78,39 @@ def evaluate_folds(
     notes : sequence of Note
         Carried over to the result.
     progress : callable (done, total, model) or None
+    away : Away or None
+        Learn in other processes or on a cluster; None learns here. The result is the same.
 
     Raises
     ------
     InputError
-        If no frame is left to score.
+        If no frame is left to score, or learning failed elsewhere.
     """
     counts = CountedRows(ready, makers)
-    total = len(folds) * len(makers)
+    here = _learned_here(ready, folds, makers) if away is None else away.learned(folds, tuple(makers))
+    done = 0
     for number, fold in enumerate(folds):
         counted = {name: ready[name].inside(fold.words) for name in fold.test}
         counts.open({name: held for name, held in counted.items() if held.any()})
-        for place, (row, make) in enumerate(makers.items()):
+        for row in makers:
             if progress:
-                progress(number * len(makers) + place, total, row)
-            model = make().fit([ready[name].take for name in fold.train])
+                progress(done, len(folds) * len(makers), row)
+            answer = here(number, row)
             for name in counts.counted:
-                counts.add(row, name, model, _spoken(model, ready[name]))
+                counts.add(row, name, answer.moved, answer.motion[name])
+            done += 1
         counts.close()
     return counts.finished(tuple(folds), seed, tuple(notes))
+
+
+def _learned_here(
+    ready: Mapping[str, Recording], folds: Sequence[Fold], makers: Makers
+) -> Callable[[int, str], Answer]:
+    def learned(number: int, row: str) -> Answer:
+        fold = folds[number]
+        return answer_of(makers[row](), [ready[name].take for name in fold.train], [ready[name] for name in fold.test])
+
+    return learned
 
 
 def evaluate_performer(
@@ -147,10 +163,10 @@ def evaluate_performer(
         for row, mouth in mouths.items():
             counts.show(row, take, _performed(mouth, recording))
         for row, model in models.items():
-            motion = _spoken(model, recording)
+            motion = spoken(model, recording)
             if motion.ndim == MARKERS:
                 motion = motion[:, _order(name, names_of(model), recording)]
-            counts.add(row, take, model, motion)
+            counts.add(row, take, names_of(model), motion)
     counts.close(brought_together=True)
     return counts.finished((), seed, notes)
 
@@ -162,11 +178,6 @@ def _performed(mouth: MouthModel, recording: Recording) -> ChannelTrack:
     values = mouth.perform(speech, take.markers.rate).values
     rows = np.minimum(np.arange(len(recording.times)), len(values) - 1)
     return ChannelTrack(ALL, values[rows], take.markers.rate)
-
-
-def _spoken(model: Model | SpeechModel, recording: Recording) -> Array:
-    """The mouth as a model has it; one that listens hears the take."""
-    return synthesise(model, recording.take.phones, recording.times, recording.take.audio)
 
 
 def _order(name: str, markers: Sequence[str], recording: Recording) -> list[int]:

@@ -19,14 +19,14 @@ SHOWN_TABLES: tuple[tuple[str, ...], ...] = (
     ("opening_r", "opening_velocity_r", "opening_spread", "opening_bias", "opening_error_without_bias"),
     ("width_r", "width_velocity_r", "width_spread", "width_bias", "width_error_without_bias"),
     ("lips_rms", "lips_rms_frontal", "rms", "lip_vertex_error", "jitter"),
-    ("closure_recall", "closure_precision", "closure_f1", "speed_p99", "turns"),
+    ("closure_recall", "closure_precision", "closure_f1", "shut_f1", "speed_p99", "turns"),
     ("lag", "onset_lag", "in_sync"),
 )
 """Which metrics of the shown face stand side by side; a table too wide to read is no table."""
 TABLES: tuple[tuple[str, ...], ...] = (
     ("rms", "opening_r", "opening_error", "opening_velocity_r", "opening_velocity_error"),
     ("width_r", "width_error", "width_velocity_r", "width_velocity_error", "lip_vertex_error"),
-    ("closure_recall", "closure_precision", "closure_f1", "jitter"),
+    ("closure_recall", "closure_precision", "closure_f1", "shut_f1", "jitter"),
     ("lag", "onset_lag", "in_sync"),
 )
 """The same of markers."""

@@ -107,6 +107,7 @@ METRICS: Mapping[str, Metric] = {
     "closure_recall": Metric("closure recall", "", 2, "closure", _recall, "always"),
     "closure_precision": Metric("closure precision", "", 2, "closure", _precision, "always"),
     "closure_f1": Metric("closure F1", "", 2, "closure", _f1, "always"),
+    "shut_f1": Metric("shut with the recording, F1", "", 2, "shut", _f1, "always"),
     "lip_vertex_error": Metric("lip-vertex error", "mm²", 1, "lips", _ratio()),
     "jitter": Metric("jitter", "mm", 2, "jitter", _root_ratio),
     "speed_p99": Metric("lip speed p99", "mm/s", 0, "speeds", p99_of, "always"),

@@ -54,6 +54,13 @@ def test_new_sentences_move_as_their_speaker_would(model):
         assert np.sqrt(((made - said.markers.positions) ** 2).sum(axis=2).mean()) < 1.2
 
 
+def test_the_explicit_part_is_what_is_learned_without_a_network(model, recorded):
+    alone = SpeechMotion(replace(SMALL, correction_share=0.0)).fit(recorded)
+    phones = tier(["SIL", "B", "AA", "M", "SIL"], 0.2)
+    times = np.arange(0, 1, 0.04)
+    assert (model.explicit(recorded).synthesise(phones, times) == alone.synthesise(phones, times)).all()
+
+
 def test_every_phone_has_a_mouth_also_those_never_recorded(model):
     made = model.synthesise(EVERY_PHONE, TIMES)
     assert made.shape == (len(TIMES), 12, 3)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -139,6 +139,14 @@ class SpeechMotion:
         self.closure_ = LipClosure(self.mouth_).fit(mouths)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
         return self
+
+    def explicit(self, takes: Sequence[Take]) -> SpeechMotion:
+        """The influence curves of this model alone, as if they had been learned from the same takes without network."""
+        alone = copy(self)
+        alone.settings, alone.correction_ = replace(self.settings, correction_share=0.0), None
+        if self.settings.as_recorded:
+            alone.spread_ = alone._spread_of(recorded_mouths(takes, MARGIN, self.mouth_))
+        return alone
 
     def _spread_of(self, mouths: Sequence[RecordedMouth]) -> RecordedSpread:
         """Gain and sharpness, from no more than `SPREAD_TAKES` takes."""
