@@ -66,7 +66,7 @@ def test_edits_and_a_missing_licence_are_told():
     learned = small_performer()
     edited = learned.motion.with_key_shape("B", learned.motion.key_shapes("M"))
     text = told(replace(learned, motion=edited, about={}))
-    assert "edited by hand      B\n" in text
+    assert "key shapes changed  B\n" in text
     assert "licence             not stated in the file\n" in text
 
 

@@ -103,7 +103,7 @@ def _heard(learned: LearnedSpeech) -> list[str]:
     )
     rows.append(_row("hand-made besides", "tongue, inside of the mouth, the lip on the teeth at F and V"))
     if learned.motion.edits_:
-        rows += _wrapped("edited by hand", learned.motion.edits_)
+        rows += _wrapped("key shapes changed", learned.motion.edits_)
     return rows
 
 

@@ -27,7 +27,7 @@ __all__ = ["LEARNED_START", "TRIALS", "Searched", "learn_weights"]
 
 HELD_OUT = 8
 """One take in so many is held out ..."""
-MOST_HELD_OUT = 40
+MOST_HELD_OUT = 20
 """... but no more than these."""
 LEAST_TAKES = 16
 """With fewer takes nothing is learned: the start is used."""
