@@ -70,6 +70,8 @@ def learn(
     speakers: str = "one",
     tell: Callable[[Note], None] = lambda note: None,
     progress: Callable[[int, int, str], None] | None = None,
+    workers: int | None = 0,
+    cluster: str | None = None,
 ) -> LearnedSpeech:
     """Learn a performer from a corpus.
 
@@ -90,6 +92,10 @@ def learn(
     tell : callable
         Takes what is said of the corpus before anything is learned: minutes, phones that are missing, takes left out.
     progress : callable (done, total, what) or None
+    workers : int or None
+        Processes that learn; 0: this one, None: one per core. The result is the same.
+    cluster : str or None
+        Address of a Dask scheduler, on whose workers is learned.
 
     Returns
     -------
@@ -118,6 +124,8 @@ def learn(
         exclude_names=exclude_names,
         speakers=speakers,
         tell=tell,
+        workers=workers,
+        cluster=cluster,
     )
     if path is not None:
         save_learned(learned, path)

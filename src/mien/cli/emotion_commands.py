@@ -47,6 +47,7 @@ def add_emotion_commands(commands: Any) -> None:
     train.add_argument(
         "--variations", type=int, help="of each recording, by other rooms and microphones (default 4; cepstral: 0)"
     )
+    train.add_argument("--cluster", metavar="tcp://HOST:PORT", help="measure on a Dask cluster, with the same result")
     train.set_defaults(run=_train)
 
     table = commands.add_parser("emotion-table", help="how well voices are told: the table of Cao et al. 2005 and more")
@@ -181,7 +182,9 @@ def _train(options: argparse.Namespace) -> int:
     for corpus in corpora:
         with _bar(options.quiet, corpus.name) as progress:
             samples.append(
-                emotion_samples(corpus, options.features, variations, options.seed, options.workers, progress)
+                emotion_samples(
+                    corpus, options.features, variations, options.seed, options.workers, progress, options.cluster
+                )
             )
         _notes(samples[-1].notes, options.quiet)
     learned = EmotionClassifier(options.features, options.kernel, options.cost).fit(

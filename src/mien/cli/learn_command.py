@@ -35,6 +35,8 @@ def add_command(commands: Any) -> None:
         default="one",
         help="learn one mouth from several people (mixed), or from the one of this name (default: there must be one)",
     )
+    learn.add_argument("--workers", type=int, default=0, help="processes that learn (default 0: this one)")
+    learn.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster, with the same result")
     learn.add_argument("--quiet", action="store_true", help="say nothing but errors")
     learn.set_defaults(run=_learn)
 
@@ -68,6 +70,8 @@ def _learn(options: argparse.Namespace) -> int:
             exclude_words=_listed(options.exclude_words),
             exclude_names=_listed(options.exclude_names),
             speakers=options.speakers,
+            workers=options.workers,
+            cluster=options.cluster,
             tell=lambda note: None if options.quiet else print(f"mien: {note.kind}: {note.message}", file=sys.stderr),
         )
     save_learned(learned, path)

@@ -123,6 +123,7 @@ def emotion_samples(
     seed: int = 0,
     workers: int | None = 0,
     progress: Progress | None = None,
+    cluster: str | None = None,
 ) -> EmotionSamples:
     """Read every recording and take its features.
 
@@ -135,7 +136,7 @@ def emotion_samples(
         How many variations of each recording stand beside it.
     seed : int
         Of the variations; what one sounds like depends on the seed and the file's name alone.
-    workers : int or None
+    workers, cluster
         As in `mien.corpus.workers.each`.
     progress : callable (done, total), optional
 
@@ -149,7 +150,7 @@ def emotion_samples(
     jobs: list[_Job] = [(str(s.path), kind, v, seed) for s in sounds for v in range(variations + 1)]
     found: dict[_Job, NDArray[np.float64]] = {}
     broken: dict[str, str] = {}
-    for done, (job, result) in enumerate(each(_sample, jobs, workers), start=1):
+    for done, (job, result) in enumerate(each(_sample, jobs, workers, cluster), start=1):
         if isinstance(result, MienError):
             broken[job[0]] = str(result)
         elif isinstance(result, BaseException):

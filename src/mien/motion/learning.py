@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from mien.core.errors import InputError, Note, unknown_name
+from mien.core.one_thread import one_thread
 from mien.corpus.recordings import Corpus, identity_of
 from mien.corpus.take import Take
+from mien.corpus.workers import each
 from mien.motion.expression.recorded_expression import learn_expressions
 from mien.motion.graph.combined_motion import learned_residuals
 from mien.motion.graph.felt_takes import levelled
@@ -22,7 +25,7 @@ from mien.motion.mouth.mouth_space import mouth_space_of
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import SPEECH_MODELS, LearnedSpeech
 
-__all__ = ["LearningSettings", "Progress", "learn", "learn_corpus"]
+__all__ = ["Away", "LearningSettings", "Progress", "learn", "learn_corpus"]
 
 Progress = Callable[[int, int, str], None]
 """Called with steps done, steps in all, and what is being done."""
@@ -65,6 +68,7 @@ class LearningSettings:
         )
 
 
+@one_thread
 def learn(
     takes: Sequence[Take],
     settings: LearningSettings | None = None,
@@ -73,6 +77,7 @@ def learn(
     name: str = "learned",
     about: Mapping[str, str] | None = None,
     felt: Sequence[Take] = (),
+    away: Away | None = None,
 ) -> LearnedSpeech:
     """Learn how a person speaks.
 
@@ -88,6 +93,8 @@ def learn(
         Licence, attribution: kept in the file.
     felt : sequence of Take
         Expressive takes: recorded motion that serves where their emotion is asked for (`felt_takes`).
+    away : Away or None
+        Learn the parts in other processes or on a cluster; None learns here. The result is the same.
 
     Raises
     ------
@@ -95,8 +102,15 @@ def learn(
         If there is nothing to learn from.
     """
     settings = (settings or LearningSettings()).in_one_space([*takes, *felt])
-    motion = SpeechMotion(settings.speech)
     recorded = settings.speech_model != "coarticulation"
+    known = tuple(sorted(identity_of(take) for take in takes))
+    if away is not None:
+        parts = away.learned(PARTS if recorded else PARTS[:2], takes, felt, settings, progress)
+        motion, paper = parts[MOUTH], parts[CURVES]
+        graph = _with_residuals(motion, parts[GRAPH], takes, felt, settings) if recorded else None
+        cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
+        return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
+    motion = SpeechMotion(settings.speech)
     trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0
     total, done = motion.epochs + 1 + trials + int(recorded), 0
 
@@ -110,26 +124,90 @@ def learn(
     paper = Coarticulation(settings.paper).fit(takes)
     cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
     step("curves")
-    graph = _recorded(motion, takes, felt, settings, lambda: step("graph")) if recorded else None
+    graph = None
     if recorded:
+        searched = _graph(takes, felt, settings, lambda: step("graph"))
+        graph = _with_residuals(motion, searched, takes, felt, settings)
         step("recordings")
-    known = tuple(sorted(identity_of(take) for take in takes))
     return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
 
 
-def _recorded(
+def _graph(
+    takes: Sequence[Take], felt: Sequence[Take], settings: LearningSettings, after_trial: Callable[[], None]
+) -> GraphMotion:
+    """The graph of the takes, those with an emotion levelled."""
+    felt = levelled(felt, takes, mouth_space_of(takes, settings.graph.learn_in))
+    return GraphMotion(settings.graph).fit(takes, after_trial, felt)
+
+
+def _with_residuals(
     motion: SpeechMotion,
+    graph: GraphMotion,
     takes: Sequence[Take],
     felt: Sequence[Take],
     settings: LearningSettings,
-    after_trial: Callable[[], None],
 ) -> RecordedSpeech:
-    """The graph of the takes, and for ``both`` what they did beside the learned curves."""
-    felt = levelled(felt, takes, motion.mouth_)
-    graph = GraphMotion(settings.graph).fit(takes, after_trial, felt)
+    """The graph, and for ``both`` what its takes did beside the learned curves."""
     if settings.speech_model == "graph":
         return RecordedSpeech.of(graph, None)
+    felt = levelled(felt, takes, motion.mouth_)
     return RecordedSpeech.of(graph, learned_residuals(motion, graph.graph_, [*takes, *felt]))
+
+
+MOUTH, CURVES, GRAPH = PARTS = ("mouth", "curves", "graph")
+"""Parts of a performer's speech that are learned from takes, none from another."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    what: str
+    folder: str
+    takes: tuple[str, ...]
+    felt: tuple[str, ...]
+    settings: LearningSettings
+
+
+@one_thread
+def _learned_part(part: _Part) -> Any:
+    corpus, settings = Corpus(part.folder), part.settings
+    takes = [corpus.take(name) for name in part.takes]
+    if part.what == MOUTH:
+        return SpeechMotion(settings.speech).fit(takes)
+    if part.what == CURVES:
+        return Coarticulation(settings.paper).fit(takes)
+    return _graph(takes, [corpus.take(name) for name in part.felt], settings, lambda: None)
+
+
+@dataclass(frozen=True)
+class Away:
+    """Where else the parts are learned: ``workers`` processes (None: one per core), or a Dask ``cluster``.
+
+    ``folder``: of the corpus, under the same path on every machine.
+    """
+
+    folder: str
+    workers: int | None = None
+    cluster: str | None = None
+
+    def learned(
+        self,
+        parts: Sequence[str],
+        takes: Sequence[Take],
+        felt: Sequence[Take],
+        settings: LearningSettings,
+        progress: Progress | None,
+    ) -> dict[str, Any]:
+        """Each part by its name."""
+        plain, expressive = (tuple(take.name for take in some) for some in (takes, felt))
+        jobs = [_Part(what, self.folder, plain, expressive, settings) for what in parts]
+        found: dict[str, Any] = {}
+        for job, result in each(_learned_part, jobs, self.workers, self.cluster):
+            if isinstance(result, BaseException):
+                raise InputError(f"learning the {job.what} failed: {result}") from result
+            found[job.what] = result
+            if progress:
+                progress(len(found), len(jobs), job.what)
+        return found
 
 
 def learn_corpus(
@@ -142,6 +220,8 @@ def learn_corpus(
     exclude_names: Collection[str] = (),
     speakers: str = "one",
     tell: Callable[[Note], None] = lambda note: None,
+    workers: int | None = 0,
+    cluster: str | None = None,
 ) -> LearnedSpeech:
     """Learn speech from the neutral takes of a corpus, expressions and emotional speech from those with an emotion.
 
@@ -160,6 +240,10 @@ def learn_corpus(
         As in `mien.motion.learning_judgement.judge`, which says what is there, what is left out, and what is missing.
     tell : callable
         Takes each note as soon as it is known, before anything is learned.
+    workers : int or None
+        Processes that learn; 0: this one, None: one per core. The result is the same.
+    cluster : str or None
+        Address of a Dask scheduler, on whose workers is learned.
 
     Raises
     ------
@@ -191,7 +275,8 @@ def learn_corpus(
     maps = learn_emotion_maps([*takes, *twins]) if twins else None
     if not takes:  # nobody was recorded neutral: how they speak is learned from what there is
         takes, felt = felt, []
-    learned = learn(takes, settings, progress, name=name, about=about, felt=felt)
+    away = Away(str(corpus.folder), workers, cluster) if workers != 0 or cluster is not None else None
+    learned = learn(takes, settings, progress, name=name, about=about, felt=felt, away=away)
     known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
     return replace(learned, expressions=expressions, trained_on=known, emotion_maps=maps)
 

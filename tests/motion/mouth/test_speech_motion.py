@@ -268,6 +268,18 @@ def test_a_corpus_is_learned_without_what_is_left_out(recorded, tmp_path):
         learn_corpus(corpus, SETTINGS, exclude_words=[f"word{k}" for k in range(5)])
 
 
+def test_a_cluster_learns_the_same_to_the_byte(recorded, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    corpus = Corpus.create(tmp_path / "corpus", {"layout": "mediapipe-218"})
+    for t in recorded[:6]:
+        corpus.add(t)
+    save_learned(learn_corpus(corpus, SETTINGS), tmp_path / "here.mien")
+    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None) as cluster:
+        there = learn_corpus(corpus, SETTINGS, cluster=cluster.scheduler_address)
+    save_learned(there, tmp_path / "there.mien")
+    assert (tmp_path / "here.mien").read_bytes() == (tmp_path / "there.mien").read_bytes()
+
+
 def test_files_of_version_3_move_their_markers(learned, tmp_path):
     save_learned(learned, tmp_path / "now.mien")
     with zipfile.ZipFile(tmp_path / "now.mien") as now, zipfile.ZipFile(tmp_path / "old.mien", "w") as old:
