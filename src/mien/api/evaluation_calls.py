@@ -57,7 +57,7 @@ def evaluate(
     words : str, Path, sequence of str or None
         Words to leave out and to score, or a file of them; ``"hardest"``: those that the other words say least about.
     test_names : str, Path, sequence of str or None
-        Takes to hold out and to score, or a file of them.
+        Takes to hold out (of a performer: takes of ``heldout``) and to score, or a file of them.
     folds : int or None
         How many of the 8 parts are tested in turn; None: one.
     models : sequence of str or None
@@ -82,14 +82,14 @@ def evaluate(
     """
     if seed < 0:
         raise InputError(f"a seed is a whole number, 0 or more, not {seed}")
-    given = {"protocol": protocol, "words": words, "test-names": test_names, "folds": folds, "models": models}
+    given = {"protocol": protocol, "words": words, "folds": folds, "models": models}
     if is_performer(subject):
         for name, value in given.items():
             if value is not None:
                 raise InputError(f"--{name} is for learning afresh from a corpus; {subject} is learned already")
         if heldout is None:
             raise InputError(f"name the corpus of held-out takes too: mien evaluate {subject} HELDOUT")
-        return _of_performer(str(subject), heldout, seed, progress)
+        return _of_performer(str(subject), heldout, test_names, seed, progress)
     if heldout is not None:
         raise InputError(f"{heldout}: a second corpus is for a performer, 'mien evaluate PERFORMER HELDOUT'")
     _check_protocol(protocol, words, test_names, folds)
@@ -114,7 +114,9 @@ def _opened(corpus: str | Path | Corpus) -> Corpus:
     return corpus if isinstance(corpus, Corpus) else Corpus(corpus)
 
 
-def _of_performer(subject: str, heldout: str | Path | Corpus, seed: int, progress: Progress | None) -> Evaluation:
+def _of_performer(
+    subject: str, heldout: str | Path | Corpus, test_names: Named, seed: int, progress: Progress | None
+) -> Evaluation:
     mouths: dict[str, MouthModel] = {}
     models: dict[str, SpeechModel] = {}
     known: Collection[str] = ()
@@ -125,7 +127,10 @@ def _of_performer(subject: str, heldout: str | Path | Corpus, seed: int, progres
         known = learned.trained_on
         mouths = {f"performs: {kind}": LearnedMouth(learned, speech_model=kind) for kind in learned.speech_models}
         models = {"speech motion": learned.motion, "paper's curves": learned.coarticulation}
-    return evaluate_performer(subject, mouths, models, known, _opened(heldout), seed=seed, progress=progress)
+    names = _listed(test_names, "takes") if test_names else None
+    return evaluate_performer(
+        subject, mouths, models, known, _opened(heldout), names=names, seed=seed, progress=progress
+    )
 
 
 def _check_protocol(protocol: str | None, words: Named, test_names: Named, folds: int | None) -> None:

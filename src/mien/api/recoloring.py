@@ -271,8 +271,8 @@ def _learned_way(animation: Animation, span: EmotionSpan, maps: EmotionMaps) -> 
     still[:, _BLINK] = 0.0  # lids that blink are no emotion
     before = MarkerTrack(maps.markers, face.positions_of(still), rate)
     after = _mapped(before, span, NEUTRAL, maps, animation.provenance.seed)
-    change = face.channels_of(after.positions - face.rest, rate.fps)
-    change -= face.channels_of(before.positions - face.rest, rate.fps)
+    change = face.channels_of(after.positions - face.rest, rate)
+    change -= face.channels_of(before.positions - face.rest, rate)
     seal = np.zeros(len(values))
     sealed = HandMadeMouth().seals(animation.utterance, rate)[0][: len(values)]
     seal[: len(sealed)] = sealed
@@ -302,7 +302,7 @@ def _resting(take: Take) -> Floats:
 def _on_face(markers: MarkerTrack, layout: str, rest: Floats, spoken: Utterance, name: str, seed: int) -> Animation:
     """Markers as an animation: the channels that move the face so; eyes and head look ahead."""
     face = MarkerChannels(layout, markers.names, rest)
-    values = face.channels_of(markers.positions - rest, markers.rate.fps)
+    values = face.channels_of(markers.positions - rest, markers.rate)
     track = ChannelTrack(channels.ALL, _covering(values, spoken.duration, markers.rate), markers.rate)
     made = Provenance(f"recorded: {name}", seed, version("mien"))
     return Animation(track, markers, spoken, Score(), made)

@@ -32,7 +32,9 @@ def add_command(commands: Any) -> None:
         metavar="FILE|hardest",
         help="words to leave out and to score (leave-words-out); hardest: those that the other words say least about",
     )
-    parser.add_argument("--test-names", metavar="FILE", help="takes to hold out and to score (random)")
+    parser.add_argument(
+        "--test-names", metavar="FILE", help="takes to score: held out of CORPUS (random), or of HELDOUT"
+    )
     parser.add_argument("--folds", type=int, help="how many of the 8 parts are tested in turn (default 1)")
     parser.add_argument("--models", metavar="A,B", help="only these rows (default: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the split and the bootstrap (default 0)")

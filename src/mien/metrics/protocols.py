@@ -20,7 +20,7 @@ from mien.metrics.baselines import Model
 from mien.metrics.evaluation import MARKERS, CountedRows, Evaluation, names_of
 from mien.metrics.fold_jobs import Answer, Away, answer_of, spoken
 from mien.metrics.scored_takes import Recording, prepare
-from mien.metrics.splits import Fold
+from mien.metrics.splits import Fold, check_names
 from mien.motion.mouth.speech_model import SpeechModel
 from mien.motion.performer import MouthModel
 
@@ -31,17 +31,18 @@ Makers = Mapping[str, Callable[[], Model]]
 Progress = Callable[[int, int, str], None]
 
 
-def recordings(corpus: Corpus) -> tuple[dict[str, Recording], tuple[Note, ...]]:
-    """All takes of a corpus that can be scored, by name, and a note for each that cannot.
+def recordings(corpus: Corpus, names: Collection[str] | None = None) -> tuple[dict[str, Recording], tuple[Note, ...]]:
+    """All takes of a corpus that can be scored, or those of ``names``, by name, and a note for each that cannot.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or a name is not in the corpus.
     """
     ready: dict[str, Recording] = {}
     faults: list[str] = []
-    for take in corpus:
+    chosen = corpus.names if names is None else check_names(names, corpus.names)
+    for take in map(corpus.take, chosen):
         try:
             ready[take.name] = prepare(take)
         except InputError as problem:
@@ -120,6 +121,7 @@ def evaluate_performer(
     trained_on: Collection[str],
     corpus: Corpus,
     *,
+    names: Collection[str] | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Evaluation:
@@ -137,6 +139,8 @@ def evaluate_performer(
         Identities (`Corpus.identity`) of the takes that it was learned from.
     corpus : Corpus
         Whatever its own reference frame: what it differs by all the time is removed, and said.
+    names : collection of str or None
+        Only these takes of it.
     seed : int
         Of the bootstrap.
     progress : callable (done, total, take) or None
@@ -147,14 +151,14 @@ def evaluate_performer(
         If it was learned from a take of the corpus (known by its sound, whatever its name), it moves other markers,
         or nothing can be scored.
     """
-    met = [take for take in corpus.names if corpus.identity(take) in trained_on]
+    met = [take for take in (corpus.names if names is None else names) if corpus.identity(take) in trained_on]
     if met:
         more = f" and {len(met) - 3} more" if len(met) > 3 else ""
         raise InputError(
             f"{name} was learned from takes of {corpus.folder}: {', '.join(met[:3])}{more}; "
             "score it on takes that were held out of its learning"
         )
-    ready, notes = recordings(corpus)
+    ready, notes = recordings(corpus, names)
     counts = CountedRows(ready, (*mouths, *models))
     counts.open({take: recording.speech for take, recording in ready.items()})
     for number, (take, recording) in enumerate(ready.items()):

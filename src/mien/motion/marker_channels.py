@@ -1,20 +1,27 @@
-"""Between a speaker's markers and the channels of a face: where the markers sit on the face, and what moves them."""
+"""Between a speaker's markers and the channels of a face: where the markers sit on the face, and what moves them.
+
+The way to channels is that of every recording (`mien.capture`), on a face that is known.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.cleaning.normalise import best_similarity
+from mien.capture.capture import capture_take
 from mien.capture.layouts import load_layout
+from mien.capture.person import fit_person
 from mien.core import channels
+from mien.core.timeline import FrameRate
+from mien.core.tracks import MarkerTrack
 from mien.face.library import load_face
 from mien.face.marker_sites import place_markers
 from mien.face.model import Face
-from mien.face.retargeting import Retargeter, basis_at
-from mien.motion.mouth.learned_mouth import NOT_BY_MARKERS
+from mien.face.retargeting import basis_at
+from mien.motion.mouth.learned_mouth import BY_CAMERA
 
 __all__ = ["MarkerChannels"]
 
@@ -39,22 +46,24 @@ class MarkerChannels:
     def __init__(self, layout: str, markers: Sequence[str], rest: Floats, face: Face | None = None) -> None:
         face, known = face or load_face("default"), load_layout(layout)
         known.index(markers)  # names that the layout lacks are told
-        placed = place_markers(face, known, markers)
-        self.rest, sites = rest, placed.sites
-        self.turn = best_similarity(rest, placed.places, np.ones(len(sites)), scale=True)[:3, :3]
-        sought = [name for name in channels.ARKIT if name not in NOT_BY_MARKERS and not name.startswith("eyeLook")]
-        moved = {name for name in sought if any(name in part.targets for part in face.parts)}
-        self.retargeter = Retargeter(face, sites, [name for name in sought if name in moved])
-        self.columns = [channels.ALL.index(name) for name in self.retargeter.channels]
+        sites = place_markers(face, known, markers).sites
+        self.names, self.rest = tuple(markers), rest
+        still = MarkerTrack(self.names, np.repeat(rest[None], 2, axis=0), FrameRate.of(25))
+        source = "tracker" if layout == BY_CAMERA else "optical"
+        person = fit_person([still], known, source, neutral=rest, face=face)
+        # how low this person's lids come is not known here, so that no lid counts as shut; lips that touch do
+        loose = (replace(seen, opening=replace(seen.opening, shut_by=None)) for seen in person.openings)
+        self.person = replace(person, openings=tuple(loose))
         self._basis = basis_at(face, sites, channels.WEIGHTS)
 
-    def channels_of(self, displacement: Floats, fps: float) -> Floats:
+    def channels_of(self, displacement: Floats, rate: FrameRate) -> Floats:
         """Channels, shape (frames, channels), of displacements in the speaker's axes, (frames, markers, 3), mm."""
         values = np.zeros((len(displacement), len(channels.ALL)))
-        values[:, self.columns] = self.retargeter.solve(displacement @ self.turn.T, fps).weights
+        track = MarkerTrack(self.names, self.rest + displacement, rate)
+        values[:, : len(channels.WEIGHTS)] = capture_take(track, self.person.layout, head=self.person).channels.values
         return values
 
     def positions_of(self, values: Floats) -> Floats:
         """Where the speaker's markers would stand, shape (frames, markers, 3), mm: the face's motion, to their size."""
         moved = np.einsum("tc,cmx->tmx", values[:, : len(channels.WEIGHTS)], self._basis)
-        return np.asarray(self.rest + moved @ np.linalg.inv(self.turn).T)
+        return np.asarray(self.rest + moved @ np.linalg.inv(self.person.turn).T)

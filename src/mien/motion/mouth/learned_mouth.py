@@ -33,7 +33,7 @@ from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performer_file import LearnedSpeech
 from mien.text.phones import is_vowel
 
-__all__ = ["NOT_BY_MARKERS", "LearnedMouth", "by_hand", "resting"]
+__all__ = ["BY_CAMERA", "NOT_BY_MARKERS", "LearnedMouth", "by_hand", "resting"]
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +42,8 @@ NOT_BY_MARKERS = (*channels.BEYOND_ARKIT, "tongueOut", "cheekPuff", "mouthClose"
 shut over an open jaw are left to seals."""
 DEPTH = 0.1
 """How much the depth of a marker counts where one camera saw it, against its height and its side."""
-_BY_CAMERA = "mediapipe-218"
+BY_CAMERA = "mediapipe-218"
+"""The layout of markers that one camera saw."""
 _TONGUE = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
 STAYS, LEAVES, EASE = 0.12, 0.05, 0.2
 """Seconds after speech in which the mouth stays as it learned to, before speech in which it moves so, and in which it
@@ -168,7 +169,7 @@ class _OnFace:
         self.rest: Floats = learned.motion.synthesise(pause, np.array([2.0]))[0]  # the mouth in a long pause
         self.to_face = best_similarity(self.rest, placed.places, np.ones(len(space.names)), scale=True)[:3, :3]
         sought = tuple(name for name in channels.MOUTH if name not in NOT_BY_MARKERS)
-        depth = DEPTH if space.layout == _BY_CAMERA else 1.0
+        depth = DEPTH if space.layout == BY_CAMERA else 1.0
         self.retargeter = Retargeter(face, placed.sites, sought, depth=depth)
 
     def channels_of(self, positions: Floats, rate: FrameRate) -> Floats:

@@ -1,0 +1,39 @@
+"""Lips as round as another speaker's: what one camera hardly sees is taken from recordings that show it.
+
+A camera in front sees a mouth grow narrow and hardly sees it protrude, and some speakers round their lips little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mien.motion.mouth.speech_motion import SpeechMotion
+
+__all__ = ["ROUND", "rounded"]
+
+ROUND = ("W", "UW", "UH", "OW", "OY", "AO")
+"""Phones whose lips are round."""
+_PUCKER = "mouthPucker"
+
+
+def rounded(motion: SpeechMotion, like: SpeechMotion, phones: Sequence[str] = ROUND) -> SpeechMotion:
+    """The same model with the lips of some key shapes as round as another speaker's, where that is more.
+
+    Both learned in channels.
+
+    Examples
+    --------
+    >>> from mien.motion.performers import load_learned_performer
+    >>> mandarin, default = (load_learned_performer(name).motion for name in ("mandarin", "default"))
+    >>> made = rounded(mandarin, default)
+    >>> bool(np.allclose(made.key_shapes("UW"), mandarin.key_shapes("UW")))  # the rounder one stays as it is
+    True
+    """
+    own, other = (each.mouth_.names.index(_PUCKER) for each in (motion, like))
+    for phone in phones:
+        shapes = motion.key_shapes(phone)
+        shapes[:, own] = np.maximum(shapes[:, own], like.key_shapes(phone)[:, other])
+        motion = motion.with_key_shape(phone, shapes)
+    return motion
