@@ -188,7 +188,7 @@ def picture(scene) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.device, scene.cycles.use_denoising = 16, "CPU", True
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler, camera.data.lens = (0, -0.75, -0.03), (np.pi / 2, 0, 0), 70
+    camera.location, camera.rotation_euler, camera.data.lens = (0, -0.86, -0.015), (np.pi / 2, 0, 0), 70
     for name, place, power in (
         ("key", (0.6, -0.9, 0.6), 14),
         ("fill", (-0.8, -0.8, 0.1), 6),

@@ -23,11 +23,11 @@ from tests.faces import tiny_animation, tiny_face
 SIZE = (64, 48)
 
 
-def decode(path: Path):
+def decode(path: Path, **options: str):
     """Times (s) and pictures of the video; the sound, with silence where the file says that it starts later."""
-    with av.open(str(path)) as container:
+    with av.open(str(path), options=options) as container:
         frames = [(f.time, f.to_ndarray(format="gray")) for f in container.decode(video=0)]
-    with av.open(str(path)) as container:
+    with av.open(str(path), options=options) as container:
         blocks = [(f.time, f.to_ndarray()[0]) for f in container.decode(audio=0)]
         rate = container.streams.audio[0].rate
     end = max(round(time * rate) + len(block) for time, block in blocks)
@@ -62,6 +62,22 @@ def test_a_click_is_heard_when_its_flash_is_seen(tmp_path, rate, fps):
     assert notes == ()
     middle = float((np.arange(len(heard)) * heard**2).sum() / (heard**2).sum()) / heard_rate
     assert middle == pytest.approx(at + 0.005, abs=0.003)
+
+
+@pytest.mark.parametrize("fps", ["24", "25", "30000/1001", "30", "50", "60"])
+def test_players_that_ignore_edit_lists_are_off_by_the_sound_encoders_block_alone(tmp_path, fps):
+    """No picture is out of order, so only AAC's 1024 samples (21 ms at 48 kHz) are left; with the list, nothing."""
+    fps = Fraction(fps)
+    at = float(30 / fps)
+    pictures, sound = flash_and_click(fps, float(60 / fps), at, 24000)
+    write_frames(iter(pictures), fps, sound, tmp_path / "a.mp4", SIZE)
+    for options, late, allowed in (({}, 0.0, 0.001), ({"ignore_editlist": "1"}, 1024 / 48000, 0.0015)):
+        frames, heard, rate = decode(tmp_path / "a.mp4", **options)
+        seen = max(frames, key=lambda item: item[1].mean())[0] - frames[0][0]
+        middle = float((np.arange(len(heard)) * heard**2).sum() / (heard**2).sum()) / rate
+        assert middle - seen == pytest.approx(0.005 + late, abs=allowed), options
+        assert frames[0][0] == 0.0
+        assert [frame[0] for frame in frames] == sorted(frame[0] for frame in frames)
 
 
 def test_the_picture_is_as_long_as_the_sound(tmp_path):
