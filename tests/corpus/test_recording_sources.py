@@ -17,6 +17,7 @@ from mien.core.audio import Audio
 from mien.core.errors import InputError, MissingPartError, OutputError
 from mien.corpus.importing import import_corpus
 from mien.corpus.readers.video_recordings import steady_frames
+from mien.corpus.recording import devices
 from mien.corpus.recording import devices as module
 from mien.corpus.recording.devices import CameraDevice, Devices, MicrophoneDevice, open_devices
 from mien.corpus.recording.folder import SessionFolder
@@ -321,3 +322,15 @@ def test_camera_that_breaks_off(tmp_path: Path) -> None:
     camera.start(tmp_path / "nowhere" / "out.mp4")
     with pytest.raises(InputError, match=r"broke off \(.*No such file"):
         camera.stop()
+
+
+@pytest.mark.parametrize(("system", "name"), [("darwin", "0"), ("win32", "video=0")])
+def test_cameras_of_other_systems_are_found_and_named_as_ffmpeg_wants_them(monkeypatch, system, name) -> None:
+    import av
+
+    asked = []
+    cameras = [SimpleNamespace(name="mic", media_types=["audio"]), SimpleNamespace(name="0", media_types=["video"])]
+    monkeypatch.setattr(av, "enumerate_input_devices", lambda kind: asked.append(kind) or cameras)
+    monkeypatch.setattr(devices.sys, "platform", system)
+    assert devices._first_camera() == name
+    assert asked == [{"darwin": "avfoundation", "win32": "dshow"}[system]]

@@ -71,7 +71,17 @@ def _core() -> list[Finding]:
         ("soxr", "no sound can be resampled"),
     ):
         found.append(_package(package, cost))
-    return [*found, _kernels(), *_own_tables()]
+    return [*found, *_system(), _kernels(), *_own_tables()]
+
+
+def _system() -> list[Finding]:
+    """What is known about systems that mien is not tested on (``docs/platforms.md``)."""
+    if sys.platform.startswith("linux"):
+        return []
+    untried = "mien is tested on Linux; what differs here is in docs/platforms.md"
+    if sys.platform == "win32":
+        untried += ": no Festival voices, phones without a text by pocketsphinx alone, no locks between programs"
+    return [Finding("system", "optional", untried)]
 
 
 def _kernels() -> Finding:

@@ -8,6 +8,7 @@ microphone delay by their own buffers is not known here; ``mien corpus check`` t
 from __future__ import annotations
 
 import errno
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -110,7 +111,8 @@ def open_devices(camera: str | None, wants_camera: bool = True) -> tuple[Devices
     Parameters
     ----------
     camera : str or None
-        Such as ``/dev/video0``; None takes the first there is, or none.
+        Such as ``/dev/video0`` (Linux), ``0`` (macOS), ``video=Integrated Camera`` (Windows); None takes the first, if
+        there is one.
     wants_camera : bool
         False: sound only.
 
@@ -122,13 +124,33 @@ def open_devices(camera: str | None, wants_camera: bool = True) -> tuple[Devices
     microphone = MicrophoneDevice()
     if not wants_camera:
         return Devices(microphone, None), ()
-    found = camera or next((str(path) for path in sorted(Path("/dev").glob("video*"))), None)
+    found = camera or _first_camera()
     if found is None:
         note = Note("warning", "no camera found: only the sound is recorded; motion has to come from somewhere else")
         return Devices(microphone, None), (note,)
     device = CameraDevice(found)
     device.check()
     return Devices(microphone, device), ()
+
+
+def _camera_format() -> str:
+    """FFmpeg's name for the cameras of this system."""
+    return {"darwin": "avfoundation", "win32": "dshow"}.get(sys.platform, "v4l2")
+
+
+def _first_camera() -> str | None:
+    """The first camera, as FFmpeg wants it named here."""
+    import av
+
+    kind = _camera_format()
+    if kind == "v4l2":
+        return next((str(path) for path in sorted(Path("/dev").glob("video*"))), None)
+    try:
+        cameras = av.enumerate_input_devices(kind)
+    except (ValueError, av.FFmpegError):  # FFmpeg was built without them
+        return None
+    names = [one.name for one in cameras if "video" in (getattr(one, "media_types", None) or ["video"])]
+    return next((f"video={name}" if kind == "dshow" else name for name in names), None)
 
 
 class MicrophoneDevice:
@@ -187,17 +209,17 @@ class MicrophoneDevice:
 
 
 class CameraDevice:
-    """A camera of Video4Linux, written as H.264.
+    """A camera of Video4Linux, AVFoundation or DirectShow, written as H.264.
 
     Parameters
     ----------
     device : str
-    format : str
-        Of FFmpeg's inputs; a test plays a file.
+    format : str or None
+        Of FFmpeg's inputs; "" is that of this system's cameras, and None lets a test play a file.
     """
 
-    def __init__(self, device: str, format: str | None = "v4l2") -> None:
-        self._device, self._format = device, format
+    def __init__(self, device: str, format: str | None = "") -> None:
+        self._device, self._format = device, _camera_format() if format == "" else format
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()
         self._first: float | None = None
