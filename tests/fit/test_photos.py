@@ -146,3 +146,20 @@ def test_no_picture(tmp_path):
     (tmp_path / "a.png").write_text("no")
     with pytest.raises(InputError, match="cannot be read as a picture"):
         read_picture(tmp_path / "a.png")
+
+
+def test_open_eyes_are_not_painted_on_lids():
+    """The eyes of a picture are bright green: none of it comes onto the skin."""
+    from PIL import ImageDraw
+
+    space = head_space()
+    given = photo(space.rest, 0.0)
+    picture = Image.fromarray(given.picture)
+    for loop in (space.lid_loop_left, space.lid_loop_right):
+        outline = camera(0.0).seen(space.rest[loop])[0]
+        middle = outline.mean(axis=0)
+        ImageDraw.Draw(picture).polygon([tuple(middle + 1.05 * (p - middle)) for p in outline], fill=(0, 255, 0))
+    done = face_from_photos([replace(given, picture=np.asarray(picture))], "a", paint=PaintSettings(size=256))
+    texture = done.face.part("skin").material.texture.astype(int)
+    assert (texture[:, :, 1] - texture[:, :, 0]).max() < 40
+    assert done.painted.seen.mean() > 0.1

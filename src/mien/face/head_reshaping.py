@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -64,7 +65,7 @@ class Reshaped:
     targets: Mapping[str, Floats]
 
 
-def sparse_target(offsets: Floats) -> Target | None:
+def sparse_target(offsets: NDArray[np.floating[Any]]) -> Target | None:
     """A target without the vertices that hardly move; None if none does."""
     moved = np.flatnonzero(np.abs(offsets).max(axis=1) >= SMALLEST_MOVE)
     return Target(moved.astype(np.int32), offsets[moved].astype(np.float32)) if len(moved) else None

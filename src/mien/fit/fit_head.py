@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +34,12 @@ __all__ = ["ADDED", "FittedHead", "GivenMesh", "fit_head"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+Moves = NDArray[np.floating[Any]]
 
 _FOLDED = 0.001  # of the skin's area
 _EYE_FILLED = 0.4  # of the opening between the lids
 _JOINED = 0.5  # of the mouth's width
+_AT_ONCE = 9  # targets
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,13 +280,17 @@ class _Builder:
 
     # ------------------------------------------------------------ motion
 
-    def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Floats]:
+    def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Moves]:
         names = list(self.reshaped.targets)
-        stack = np.hstack([self.reshaped.targets[name] for name in names])
         still = self._behind_lids(carried, vertices)
-        moved = (1 - still[:, None]) * (carried.matrix @ stack)
-        moved = filled(np.maximum(carried.trust, still), moved, triangles)
-        return {name: np.ascontiguousarray(moved[:, 3 * i : 3 * i + 3]) for i, name in enumerate(names)}
+        trust = np.maximum(carried.trust, still)
+        found: dict[str, Moves] = {}
+        for first in range(0, len(names), _AT_ONCE):  # a million vertices times all targets would not fit
+            some = names[first : first + _AT_ONCE]
+            moved = carried.matrix @ np.hstack([self.reshaped.targets[name] for name in some])
+            moved = filled(trust, (1 - still[:, None]) * moved, triangles).astype(np.float32)
+            found |= {name: np.ascontiguousarray(moved[:, 3 * k : 3 * k + 3]) for k, name in enumerate(some)}
+        return found
 
     def _behind_lids(self, carried: Carried, vertices: Floats) -> Floats:
         """1 deep in the eyes' sockets, where nothing moves with the lids, to 0 at the lids; shape (n,)."""
@@ -317,7 +324,7 @@ class _Builder:
                 seams[key] = Seam(halves[0], halves[1], up, low)
         return seams
 
-    def _mend(self, targets: dict[str, Floats], vertices: Floats, seams: Mapping[str, Seam]) -> tuple[float, float]:
+    def _mend(self, targets: dict[str, Moves], vertices: Floats, seams: Mapping[str, Seam]) -> tuple[float, float]:
         """Close lips and lids on the head itself; returns the widest gaps left (NaN where there is no such edge)."""
         lip_gap = lid_gap = float("nan")
         if "mouth" in seams:
@@ -392,7 +399,7 @@ def _shared(carried: Carried, welded: Indices) -> Carried:
     )  # fmt: skip
 
 
-def _folded(vertices: Floats, triangles: Indices, targets: Mapping[str, Floats]) -> dict[str, float]:
+def _folded(vertices: Floats, triangles: Indices, targets: Mapping[str, Moves]) -> dict[str, float]:
     """Share of the skin's area that each target at weight 1 turns over, where it is more than on the default face."""
     space = head_space()
     own = _turned_over(space.rest, space.triangles, dense_targets(space))
@@ -400,7 +407,7 @@ def _folded(vertices: Floats, triangles: Indices, targets: Mapping[str, Floats])
     return {name: share for name, share in found.items() if share > own.get(name, 0.0) + _FOLDED}
 
 
-def _turned_over(vertices: Floats, triangles: Indices, targets: Mapping[str, Floats]) -> dict[str, float]:
+def _turned_over(vertices: Floats, triangles: Indices, targets: Mapping[str, Moves]) -> dict[str, float]:
     def facing(points: Floats) -> Floats:
         corner = points[triangles]
         return np.asarray(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +129,7 @@ class HeadParts:
         triangles: Indices,
         kept: NDArray[np.int64],
         carried: Carried,
-        targets: Mapping[str, Floats],
+        targets: Mapping[str, NDArray[np.floating[Any]]],
     ) -> Part:
         """The skin with its paint and its targets; ``kept`` are the head's numbers of its vertices."""
         found = {name: sparse_target(offsets) for name, offsets in targets.items()}

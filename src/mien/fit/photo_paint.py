@@ -3,6 +3,7 @@
 For every texel of the skin's texture the place and the facing on the fitted head are known, so each photograph is
 looked up through its camera; a depth map tells what it sees. Steps:
 
+0. Eyes and lashes are left out: lids are filled from the skin around them.
 1. Light is divided out of each photograph: nine spherical harmonics of the facing (Ramamoorthi and Hanrahan 2001),
    fitted to the ratio of the photograph to the default face's paint, normalised over what is seen.
 2. Colours of the further photographs are matched to the first, channel by channel, where both see the skin.
@@ -24,6 +25,7 @@ from scipy.spatial import cKDTree
 from mien.face.head_space import HeadSpace
 from mien.face.render.raster_maps import Grid, draw_triangles, sample
 from mien.face.surface import vertex_normals
+from mien.fit.eye_cut import inside_outline
 from mien.fit.photo_camera import PhotoCamera
 
 __all__ = ["PaintSettings", "Painted", "paint_from_photos"]
@@ -32,6 +34,7 @@ Floats = NDArray[np.float32]
 
 _SEEN_MM = 2.0
 _DEPTH_SIDE = 700
+_LASHES_MM = (2.0, 3.0, 4.0, 5.0, 6.0)  # beyond the margins of the lids: where paint begins to count
 _RIM_SHARE = 0.02  # of the head's size in the picture: what lies nearer its outline may be background
 
 
@@ -117,6 +120,7 @@ def paint_from_photos(
     layers, weights = [], []
     for picture, camera in zip(pictures, cameras, strict=True):
         weight = _weight(space, skin, normals, texels, camera, settings) * texels.spread(keep[:, None])[:, 0]
+        weight *= _off_the_eyes(space, skin, texels, camera)
         colours = _looked_up(skin, texels, picture, camera)
         facing = texels.spread(normals)
         layers.append(_evened(colours, default, facing, weight, settings.even_light))
@@ -187,6 +191,29 @@ def _weight(
     inward = distance_transform_edt(mask)[texels.rows, texels.columns]
     fade = np.clip(inward / (settings.feather * settings.size) - 0.15, 0, 1)
     return np.asarray(clear * np.clip((square - 0.12) / 0.88, 0, 1) ** 1.5 * fade * silhouette)
+
+
+def _off_the_eyes(
+    space: HeadSpace, skin: NDArray[np.float64], texels: _Texels, camera: PhotoCamera
+) -> NDArray[np.float64]:
+    """0 where a photograph shows the eyeball and the lashes about it, 1 from some millimetres off.
+
+    Lids are filled from the skin around, so that no open eye is painted on shut lids.
+    """
+    seen, _ = camera.seen(texels.spread(skin))
+    off = np.ones(len(seen))
+    for loop in (space.lid_loop_left, space.lid_loop_right):
+        outline, _ = camera.seen(skin[loop])
+        unit = np.ptp(outline, axis=0).max() / max(float(np.ptp(skin[loop], axis=0).max()), 1e-6)  # pixels in a mm
+        middle = outline.mean(axis=0)
+        arm = outline - middle
+        length = np.maximum(np.linalg.norm(arm, axis=1, keepdims=True), 1e-6)
+        reach = length.max() + _LASHES_MM[-1] * unit
+        near = np.flatnonzero((np.abs(seen - middle) < reach).all(axis=1))
+        for margin in _LASHES_MM:
+            wider = middle + arm * (1 + margin * unit / length)
+            off[near] -= inside_outline(seen[near], wider) / len(_LASHES_MM)
+    return np.clip(off, 0, 1)
 
 
 def _looked_up(skin: NDArray[np.float64], texels: _Texels, picture: NDArray[np.uint8], camera: PhotoCamera) -> Floats:

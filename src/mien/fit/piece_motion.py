@@ -7,6 +7,7 @@ roots, and what lies on the skin with the skin.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ class PieceMotion:
         Its targets.
     """
 
-    def __init__(self, head: HeadMesh, own: Face, skin: Floats, moves: Mapping[str, Floats]) -> None:
+    def __init__(self, head: HeadMesh, own: Face, skin: Floats, moves: Mapping[str, NDArray[np.floating[Any]]]) -> None:
         self.head, self.own, self.skin, self.moves = head, own, skin, moves
         self._jaw = _rigid_moves(own.part("teeth_lower"))
 
