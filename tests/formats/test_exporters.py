@@ -12,12 +12,13 @@ import pytest
 
 from mien.core.errors import InputError, Note, OutputError
 from mien.formats import EXPORTERS, check_output, save
+from mien.formats.registry import FRAMES
 from tests.faces import tiny_animation, tiny_face
 
 every_exporter = pytest.mark.parametrize("exporter", EXPORTERS, ids=lambda exporter: exporter.suffix)
-# FBX has a test of its own: Blender writes it, with the time of day in it.
+# FBX (Blender writes it, with the time of day in it) and single pictures (many files) have tests of their own.
 every_own = pytest.mark.parametrize(
-    "exporter", [one for one in EXPORTERS if one.suffix != ".fbx"], ids=lambda exporter: exporter.suffix
+    "exporter", [one for one in EXPORTERS if one.suffix not in (".fbx", FRAMES)], ids=lambda exporter: exporter.suffix
 )
 
 

@@ -130,3 +130,35 @@ def test_damaged_files_name_the_line(tmp_path: Path, text: str, told: str) -> No
     with pytest.raises(InputError) as caught:
         read_fap(tmp_path / "a.fap")
     assert told in str(caught.value)
+
+
+# ISO/IEC 14496-2, Annex C: number, name, unit, positive direction.
+STANDARD = """
+3 open_jaw MNS down; 4 lower_t_midlip MNS down; 5 raise_b_midlip MNS up; 6 stretch_l_cornerlip MW left
+7 stretch_r_cornerlip MW right; 8 lower_t_lip_lm MNS down; 9 lower_t_lip_rm MNS down; 10 raise_b_lip_lm MNS up
+11 raise_b_lip_rm MNS up; 12 raise_l_cornerlip MNS up; 13 raise_r_cornerlip MNS up; 14 thrust_jaw MNS forward
+15 shift_jaw MW right; 16 push_b_lip MNS forward; 17 push_t_lip MNS forward; 18 depress_chin MNS up
+19 close_t_l_eyelid IRISD down; 20 close_t_r_eyelid IRISD down; 21 close_b_l_eyelid IRISD up
+22 close_b_r_eyelid IRISD up; 23 yaw_l_eyeball AU left; 24 yaw_r_eyeball AU left; 25 pitch_l_eyeball AU down
+26 pitch_r_eyeball AU down; 27 thrust_l_eyeball ES forward; 28 thrust_r_eyeball ES forward; 31 raise_l_i_eyebrow ENS up; 32 raise_r_i_eyebrow ENS up
+33 raise_l_m_eyebrow ENS up; 34 raise_r_m_eyebrow ENS up; 35 raise_l_o_eyebrow ENS up; 36 raise_r_o_eyebrow ENS up
+37 squeeze_l_eyebrow ES right; 38 squeeze_r_eyebrow ES left; 39 puff_l_cheek ES left; 40 puff_r_cheek ES right
+41 lift_l_cheek ENS up; 42 lift_r_cheek ENS up; 43 shift_tongue_tip MW right; 44 raise_tongue_tip MNS up
+45 thrust_tongue_tip MW forward; 46 raise_tongue MNS up; 48 head_pitch AU down; 49 head_yaw AU left
+50 head_roll AU right; 51 lower_t_midlip_o MNS down; 52 raise_b_midlip_o MNS up; 53 stretch_l_cornerlip_o MW left
+54 stretch_r_cornerlip_o MW right; 55 lower_t_lip_lm_o MNS down; 56 lower_t_lip_rm_o MNS down
+57 raise_b_lip_lm_o MNS up; 58 raise_b_lip_rm_o MNS up; 59 raise_l_cornerlip_o MNS up; 60 raise_r_cornerlip_o MNS up
+61 stretch_l_nose ENS left; 62 stretch_r_nose ENS right; 63 raise_nose ENS up; 64 bend_nose ENS right
+65 raise_l_ear ENS up; 66 raise_r_ear ENS up; 67 pull_l_ear ENS left; 68 pull_r_ear ENS right
+"""
+
+
+def test_names_units_and_directions_are_the_standards() -> None:
+    ways = {"up": "+y", "down": "-y", "left": "+x", "right": "-x", "forward": "+z"}
+    table = fap_table()["fap"]
+    rows = [row.split() for row in STANDARD.replace("\n", ";").split(";") if row.strip()]
+    assert len(rows) == 63
+    for number, name, unit, way in rows:
+        facts = table[number]
+        assert (facts["name"], facts["unit"]) == (name, unit)
+        assert facts["positive"] in (way, ways[way]), name
