@@ -140,7 +140,8 @@ STANDARD = """
 15 shift_jaw MW right; 16 push_b_lip MNS forward; 17 push_t_lip MNS forward; 18 depress_chin MNS up
 19 close_t_l_eyelid IRISD down; 20 close_t_r_eyelid IRISD down; 21 close_b_l_eyelid IRISD up
 22 close_b_r_eyelid IRISD up; 23 yaw_l_eyeball AU left; 24 yaw_r_eyeball AU left; 25 pitch_l_eyeball AU down
-26 pitch_r_eyeball AU down; 27 thrust_l_eyeball ES forward; 28 thrust_r_eyeball ES forward; 31 raise_l_i_eyebrow ENS up; 32 raise_r_i_eyebrow ENS up
+26 pitch_r_eyeball AU down; 27 thrust_l_eyeball ES forward; 28 thrust_r_eyeball ES forward
+31 raise_l_i_eyebrow ENS up; 32 raise_r_i_eyebrow ENS up
 33 raise_l_m_eyebrow ENS up; 34 raise_r_m_eyebrow ENS up; 35 raise_l_o_eyebrow ENS up; 36 raise_r_o_eyebrow ENS up
 37 squeeze_l_eyebrow ES right; 38 squeeze_r_eyebrow ES left; 39 puff_l_cheek ES left; 40 puff_r_cheek ES right
 41 lift_l_cheek ENS up; 42 lift_r_cheek ENS up; 43 shift_tongue_tip MW right; 44 raise_tongue_tip MNS up

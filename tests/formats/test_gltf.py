@@ -150,3 +150,21 @@ def test_default_face_agrees_with_poser(tmp_path):
     animation, face = tiny_animation(6), load_face("default")
     write_glb(animation, face, tmp_path / "default.glb")
     assert_agrees_with_poser(animation, face, Glb(tmp_path / "default.glb"), 5)
+
+
+def test_a_cut_out_texture_keeps_its_holes(tmp_path):
+    animation, face = tiny_animation(), tiny_face()
+    part = next(part for part in face.parts if part.material.texture is not None)
+    texture = np.full((8, 8, 4), 200, np.uint8)
+    texture[:4, :, 3] = 0
+    cut = replace(part, material=replace(part.material, texture=texture))
+    for compact in (False, True):
+        write_glb(
+            animation,
+            replace(face, parts=tuple(cut if one is part else one for one in face.parts)),
+            tmp_path / "a.glb",
+            compact=compact,
+        )
+        gltf = Glb(tmp_path / "a.glb").gltf
+        assert "image/png" in {image.mimeType for image in gltf.images}
+        assert [material.alphaMode for material in gltf.materials].count("MASK") == 1

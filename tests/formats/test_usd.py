@@ -177,3 +177,24 @@ def test_somebody_elses_face_passes_too(animation: Animation, tmp_path: Path) ->
     animal = zoo.arkit(tmp_path)
     mien.save(animation, tmp_path / "line.usdz", face=animal.path)
     assert faults(tmp_path / "line.usdz") == []
+
+
+def test_a_cut_out_texture_keeps_its_holes(animation: Animation, tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    from PIL import Image
+    from pxr import Usd
+
+    face = tiny_face()
+    part = next(part for part in face.parts if part.material.texture is not None)
+    texture = np.full((8, 8, 4), 200, np.uint8)
+    texture[:4, :, 3] = 0
+    cut = replace(part, material=replace(part.material, texture=texture))
+    face = replace(face, parts=tuple(cut if one is part else one for one in face.parts))
+    write_usd(animation, face, tmp_path / "line.usdc")
+    assert faults(tmp_path / "line.usdc") == []
+    stage = Usd.Stage.Open(str(tmp_path / "line.usdc"))
+    previews = [prim for prim in stage.Traverse() if prim.GetName() == "preview"]
+    assert [prim.GetAttribute("inputs:opacityThreshold").Get() for prim in previews].count(0.5) == 1
+    (picture,) = companion_folder(tmp_path / "line.usdc").glob("*.png")
+    assert not np.asarray(Image.open(picture))[:4, :, 3].any()

@@ -361,6 +361,10 @@ class _Stage:
         shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
         colour = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
         colour.ConnectToSource(self._colour_source(path, material, picture))
+        if picture is not None and picture.shape[2] == 4:  # cut out where it is see-through
+            seen = UsdShade.Shader.Get(self.stage, f"{path}/picture").CreateOutput("a", Sdf.ValueTypeNames.Float)
+            shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).ConnectToSource(seen)
+            shader.CreateInput("opacityThreshold", Sdf.ValueTypeNames.Float).Set(0.5)
         made.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
         self._materials[key] = made
         return made
@@ -393,14 +397,16 @@ class _Stage:
 
         stream = io.BytesIO()
         picture = Image.fromarray(np.ascontiguousarray(texture))
-        picture.save(stream, "JPEG", quality=_JPEG_QUALITY, subsampling=0)
+        kind = "PNG" if texture.shape[2] == 4 else "JPEG"
+        picture.save(stream, kind, quality=_JPEG_QUALITY, subsampling=0)
         content = stream.getvalue()
         for name, held in self.files.items():
             if held == content:  # both eyes show one picture
                 return self.folder + name
-        name = f"{Tf.MakeValidIdentifier(title)}.jpg"
+        stem, ending = Tf.MakeValidIdentifier(title), "png" if kind == "PNG" else "jpg"
+        name = f"{stem}.{ending}"
         if name in self.files:
-            name = f"{Tf.MakeValidIdentifier(title)}_{len(self.files)}.jpg"
+            name = f"{stem}_{len(self.files)}.{ending}"
         self.files[name] = content
         return self.folder + name
 
