@@ -64,7 +64,7 @@ def names_of(kind: str) -> list[str]:
     mien = program()
     if kind not in _names and mien:
         asked = subprocess.run([mien, kind], capture_output=True, text=True, timeout=30, env=clean(), check=False)
-        _names[kind] = [line.split()[0] for line in asked.stdout.splitlines() if line.split()]
+        _names[kind] = list(dict.fromkeys(line.split()[0] for line in asked.stdout.splitlines() if line.split()))
     return _names.get(kind, [])
 
 

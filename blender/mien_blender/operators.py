@@ -74,7 +74,7 @@ class _Beside:
         try:
             if code:
                 wrong = [line for line in said if "error" in line.lower()] or said[-1:] or [f"exit code {code}"]
-                self.report({"ERROR"}, wrong[-1])
+                self.report({"ERROR"}, wrong[-1].removeprefix("mien: error: "))
                 return {"CANCELLED"}
             notes = [line for line in said if line.startswith(("mien: note", "mien: warning"))] + self.finish(context)
             for note in notes:

@@ -169,6 +169,8 @@ def made_head(curves, members_of, scene) -> None:
     scene.mien.source, scene.mien.file = "FILE", str(FOLDER / "line.json")
     FACTS["made_result"] = list(bpy.ops.mien.perform())
     FACTS["made"] = played(curves, members_of(ball)[0])
+    FACTS["import_result"] = list(bpy.ops.mien.import_line(filepath=str(FOLDER / "line.csv")))
+    FACTS["imported"] = played(curves, members_of(ball)[0])
 
 
 def cancelled() -> list:

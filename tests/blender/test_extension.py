@@ -13,6 +13,7 @@ import pytest
 from mien.core.channels import TONGUE
 from mien.core.timeline import FrameRate
 from mien.face.posing import head_rotation
+from mien.formats.livelink import write_livelink
 from mien.formats.native import read_native, write_native
 from tests.faces import tiny_animation
 from tests.programs import blender_python
@@ -23,7 +24,9 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture(scope="module")
 def facts(tmp_path_factory):
     folder = tmp_path_factory.mktemp("blender")
-    write_native(tiny_animation(30, FrameRate.of(30)), folder / "line.json")
+    animation = tiny_animation(40, FrameRate.of(30))
+    write_native(animation, folder / "line.json")
+    write_livelink(animation, folder / "line.csv")
     program = ROOT / ".venv" / "bin" / "mien"
     ran = subprocess.run(
         [blender_python(), str(Path(__file__).with_name("in_blender.py")), str(folder)],
@@ -90,6 +93,11 @@ def test_a_made_head_of_another_convention_is_driven(facts):
     channels, curves = facts["line"].channels, facts["made"]["curves"]
     keys_equal(curves["Ball AU26"], channels.channel("jawOpen"), 11)
     assert {f"Head {k}" for k in range(4)} <= set(curves)
+
+
+def test_a_live_link_recording_is_laid_on_it(facts):
+    assert facts["import_result"] == ["FINISHED"]
+    keys_equal(facts["imported"]["curves"]["Ball AU26"], facts["line"].channels.channel("jawOpen"), 11)
 
 
 def test_it_is_switched_off_and_stops_when_asked(facts):

@@ -184,8 +184,18 @@ def _pictures() -> list[Finding]:
         detail = f"PyAV {av.__version__}, {use}" if present else f"no {use} in PyAV: no .mp4; pip install --upgrade av"
         found.append(Finding(f"codec {codec}", "ok" if present else "missing", detail))
     found.append(Finding("renderer", "ok", "own rasteriser on the processor: needs no GPU and no system package"))
-    found.append(_usd())
+    found += [_usd(), _fbx()]
     return found
+
+
+def _fbx() -> Finding:
+    from mien.core.errors import MissingPartError
+    from mien.face.foreign.blender_bridge import blender_command
+
+    try:
+        return Finding("fbx", "ok", f"by way of Blender: {blender_command()[0]}")
+    except MissingPartError as problem:
+        return Finding("fbx", "optional", str(problem))
 
 
 def _usd() -> Finding:
