@@ -12,6 +12,7 @@ other work on the machine only ever adds.
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -107,7 +108,8 @@ def report(frames: int) -> list[str]:
         "# Posing",
         "",
         "Written by `python benchmarks/posing_speed.py`; milliseconds per frame, one thread; memory copies at "
-        f"{speed / 1e6:.1f} GB/s.",
+        f"{speed / 1e6:.1f} GB/s;",
+        f"other work on the machine: {os.getloadavg()[0]:.1f} processes, of {os.cpu_count()} cores.",
         "The dense product makes no normals; *with normals* adds ours. The bound moves every byte once at that speed;",
         "what fits a large cache can be faster.",
         "",

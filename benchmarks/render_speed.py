@@ -1,10 +1,11 @@
 """How long a frame takes: posing, rendering, encoding; and how that grows with vertices and with pixels.
 
-    python benchmarks/render_speed.py [--frames 40] [--out docs/render_speed.md]
+    python benchmarks/render_speed.py [--frames 90]
 
-Prints tables in Markdown. "Wall" is the time that passes, "processor" what all cores together spend on it: on a
-machine that others use too, the latter tells more. The median over the frames is given; the first frames, in which
-kernels are compiled or loaded, are left out.
+writes ``docs/tables/rendering.md``. "Wall" is the time that passes, "processor" what all cores together spend on it: on
+a machine that others use too, the latter tells more. The median over the frames is given; the first frames, in which
+kernels are compiled or loaded, are left out. *To MP4* poses, draws and encodes as ``mien say -o line.mp4`` does, the
+encoder in a thread of its own.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ import numpy as np
 
 from mien.core.audio import Audio
 from mien.core.channels import ALL
+from mien.core.files import replace_when_complete
 from mien.face.library import load_face
 from mien.face.model import Face, Part, Target
 from mien.face.posing import Poser
 from mien.face.render.renderer import Renderer
 from mien.formats.video import write_frames
 
+TABLE = Path(__file__).parent.parent / "docs" / "tables" / "rendering.md"
 WARM = 3
 FPS = Fraction(30)
 
@@ -109,15 +112,15 @@ def encoding(pictures: list[np.ndarray]) -> tuple[float, float]:
     return tuple(1000 * each / len(pictures) for each in spent)  # type: ignore[return-value]
 
 
-def whole(face: Face, rows: np.ndarray) -> tuple[float, float]:
+def whole(face: Face, rows: np.ndarray, width: int, height: int) -> tuple[float, float]:
     """Pose, render and encode as `mien.formats.video.write_video` does: the encoder in its own thread."""
-    poser, renderer = Poser(face, ALL), Renderer(face)
+    poser, renderer = Poser(face, ALL), Renderer(face, width, height)
     sound = Audio(np.random.default_rng(0).normal(0, 0.05, round(len(rows) / FPS * 16000)), 16000)
     renderer.render(poser.pose(rows[0]))
     with tempfile.TemporaryDirectory() as folder:
         wall, processor = time.perf_counter(), time.process_time()
         pictures = (renderer.render(poser.pose(row)) for row in rows)
-        write_frames(pictures, FPS, sound, Path(folder) / "a.mp4", (1280, 720))
+        write_frames(pictures, FPS, sound, Path(folder) / "a.mp4", (width, height))
         spent = time.perf_counter() - wall, time.process_time() - processor
     return tuple(1000 * each / len(rows) for each in spent)  # type: ignore[return-value]
 
@@ -136,15 +139,17 @@ def cells(*pairs: tuple[float, float]) -> tuple[str, ...]:
 
 
 def report(frames: int) -> str:
+    before = os.getloadavg()[0]
     face, rows = load_face("default"), motion(frames)
     parts = measure(face, 1280, 720, rows)
     poser, renderer = Poser(face, ALL), Renderer(face)
     parts["encode"] = encoding([renderer.render(poser.pose(row)) for row in rows])
-    parts["all, encoder beside"] = whole(face, rows)
+    parts["to MP4"] = whole(face, rows, 1280, 720)
     steps = [(name, *cells(pair), f"{1000 / pair[0]:.0f}") for name, pair in parts.items()]
     sizes = []
     for width, height in ((640, 360), (1280, 720), (1920, 1080)):
-        sizes.append((f"{width} x {height}", *cells(measure(face, width, height, rows)["render"])))
+        drawn, filmed = measure(face, width, height, rows)["render"], whole(face, rows, width, height)
+        sizes.append((f"{width} x {height}", *cells(drawn, filmed), f"{1000 / filmed[0]:.0f}"))
     growth = []
     for each in (face, finer(face)):
         result = measure(each, 1280, 720, rows)
@@ -153,8 +158,15 @@ def report(frames: int) -> str:
     both = ("wall ms", "processor ms")
     return "\n".join(
         [
+            "# Drawing",
+            "",
+            f"Written by `python benchmarks/render_speed.py`; {frames} frames; other work on the machine: "
+            f"{before:.1f} processes before, of {os.cpu_count()} cores.",
+            "",
             table(title, ("step, per frame", *both, "frames/s"), steps),
-            table("Rendering by size", ("pixels", *both), sizes),
+            table(
+                "By size", ("pixels", "wall ms", "processor ms", "to MP4: wall ms", "processor ms", "frames/s"), sizes
+            ),
             table("By vertices", ("vertices", *(f"{s} {b}" for s in ("pose", "render") for b in both)), growth),
         ]
     )
@@ -162,15 +174,14 @@ def report(frames: int) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--frames", type=int, default=40, help="frames to measure over (default 40)")
-    parser.add_argument("--out", type=Path, help="write the tables to this file too")
+    parser.add_argument("--frames", type=int, default=90, help="frames to measure over (default 90)")
     options = parser.parse_args()
     if options.frames <= WARM:
         parser.error(f"--frames is more than {WARM}, the frames that are left out")
     text = report(options.frames)
     print(text)
-    if options.out:
-        options.out.write_text(text + "\n", encoding="utf-8")
+    with replace_when_complete(TABLE) as unfinished:
+        unfinished.write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

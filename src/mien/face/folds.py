@@ -87,14 +87,18 @@ class Folds:
         """How full each fold is, shape (folds,)."""
         return np.array([fold.weight(channels) for fold in self.folds], dtype=np.float32)
 
-    def lay(self, weights: Floats, smooth: NDArray[np.uint8], texels: NDArray[np.uint8]) -> None:
-        """Write what folds can change into all ``texels``; ``smooth`` is what `self.texels` of them are without."""
-        _lay(self.texels, self._starts, self._owners, self._shades, weights, TINT, smooth, texels)
+    def lay(self, weights: Floats, smooth: NDArray[np.uint8], texels: NDArray[np.uint8], first: int = 0) -> None:
+        """Write what folds can change into all ``texels`` from ``first`` on.
+
+        ``smooth`` is what `self.texels` of them are without folds.
+        """
+        begin = int(np.searchsorted(self.texels, first))
+        _lay(begin, self.texels, self._starts, self._owners, self._shades, weights, TINT, smooth, texels)
 
 
 @njit(cache=True, nogil=True)
-def _lay(places, starts, owners, shades, weights, tint, smooth, texels):  # type: ignore[no-untyped-def]
-    for number in range(len(places)):
+def _lay(begin, places, starts, owners, shades, weights, tint, smooth, texels):  # type: ignore[no-untyped-def]
+    for number in range(begin, len(places)):
         dark = np.float32(0.0)
         for entry in range(starts[number], starts[number + 1]):
             dark += weights[owners[entry]] * shades[entry]

@@ -75,7 +75,7 @@ def _shares(corner: Array, points: Array) -> Array:
 
 def _depth_map(renderer: Renderer, vertices: Array, axes: Array, cells: int) -> Array:
     scene = renderer.scene
-    casters = scene.casters if cells == light.KEY_CELLS else scene.coarse_casters
+    casters = renderer.key_casters[0] if cells == renderer.key_cells else scene.coarse_casters
     seen = (vertices - scene.head_centre) @ axes.T
     seen[:, :2] = seen[:, :2] * (0.5 * cells / scene.head_radius) + 0.5 * cells
     depth = np.full((cells, cells), -1e9)
@@ -117,7 +117,7 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
     dome, dome_seen = np.full(len(vertices), 1e-6), np.full(len(vertices), 1e-6)
     soft_cell = 2 * scene.head_radius / light.SOFT_CELLS
     for number, axes in enumerate(light.light_axes(lights.directions).astype(np.float64)):
-        cells = light.KEY_CELLS if number == 0 else light.SOFT_CELLS
+        cells = renderer.key_cells if number == 0 else light.SOFT_CELLS
         depth = _depth_map(renderer, vertices, axes, cells)
         facing = normals @ axes[2]
         off = scene.lift + (light.SOFT_CELLS_OFF * soft_cell * (scene.lift > 0.5) if number else 0)

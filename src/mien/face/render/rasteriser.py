@@ -26,8 +26,10 @@ __all__ = [
     "U",
     "V",
     "cover",
+    "finest_levels",
     "pack",
     "project",
+    "set_up",
     "sort_into_bands",
 ]
 
@@ -105,12 +107,12 @@ def sort_into_bands(points, triangles, triangle_part, sheet, width, height):
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def cover(points, triangles, triangle_part, start, listed, reach, order, height, fragments, counts, needed):
+def cover(points, triangles, triangle_part, start, listed, reach, order, height, fragments, counts, seen):
     """Find the fragments of every band, in order of rows and columns.
 
     ``fragments`` (bands, most, 2) int32 receives the triangle, and in one number the column in the band's reach, the
-    row and the samples (four bits each); ``counts`` (bands,) how many there are; ``needed`` (vertices,) becomes true
-    where seen.
+    row and the samples (four bits each); ``counts`` (bands,) how many there are; ``seen`` (triangles,) becomes true
+    where one is.
     """
     for number in prange(order.shape[0]):
         band = order[number]
@@ -119,7 +121,7 @@ def cover(points, triangles, triangle_part, start, listed, reach, order, height,
         if wide <= 0:
             continue
         rows = min(BAND, height - top)
-        nearest = np.zeros((rows, wide * 4), np.int64)
+        nearest = np.zeros(rows * wide * 4, np.int64)
         farthest = np.zeros((wide + BLOCK - 1) // BLOCK, np.int64)
         part = -1
         for k in range(start[band], start[band + 1]):
@@ -136,7 +138,7 @@ def cover(points, triangles, triangle_part, start, listed, reach, order, height,
                 hidden &= near < farthest[block]
             if not hidden:
                 _fill(t, points, a, b, c, top, rows, left, wide, nearest)
-        counts[band] = _collect(nearest, triangles, triangle_part, rows, wide, fragments[band], needed)
+        counts[band] = _collect(nearest, triangle_part, rows, wide, fragments[band], seen)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -144,10 +146,10 @@ def _measure(nearest, rows, wide, farthest):
     """For blocks of columns over all rows: the 1/depth, in steps, behind which nothing is seen."""
     for block in range(farthest.shape[0]):
         first, last = 4 * BLOCK * block, min(4 * BLOCK * (block + 1), 4 * wide)
-        least = nearest[0, first]
+        least = nearest[first]
         for row in range(rows):
-            for i in range(first, last):
-                least = min(least, nearest[row, i])
+            for i in range(4 * wide * row + first, 4 * wide * row + last):
+                least = min(least, nearest[np.uint64(i)])
             if least == 0:
                 break
         farthest[block] = least >> 32
@@ -198,20 +200,23 @@ def _fill_rows(t, first, last, ax, ay, long, bx, by, short, bent_right, base, pe
             one, other = other, one
         begin, end = max(0, int(np.ceil(one))), min(wide, int(np.ceil(other)))
         near = base + per_y * y + per_x * (begin + across)
-        for i in range(begin, end):
+        at = np.uint64(4 * (row * wide + begin) + s)  # without a sign: what may be below 0 is looked at twice
+        for _ in range(begin, end):
             key = (np.int64(near) << 32) | t
-            if key > nearest[row, 4 * i + s]:
-                nearest[row, 4 * i + s] = key
+            if key > nearest[at]:
+                nearest[at] = key
             near += per_x
+            at += np.uint64(4)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _collect(nearest, triangles, triangle_part, rows, wide, fragments, needed):
+def _collect(nearest, triangle_part, rows, wide, fragments, seen):
     count = 0
     for row in range(rows):
         for i in range(wide):
-            at = 4 * i
-            k0, k1, k2, k3 = nearest[row, at], nearest[row, at + 1], nearest[row, at + 2], nearest[row, at + 3]
+            at = np.uint64(4 * (row * wide + i))
+            k0, k1 = nearest[at], nearest[at + np.uint64(1)]
+            k2, k3 = nearest[at + np.uint64(2)], nearest[at + np.uint64(3)]
             if k0 | k1 | k2 | k3 == 0:
                 continue
             place = 256 * i + 16 * row
@@ -219,27 +224,69 @@ def _collect(nearest, triangles, triangle_part, rows, wide, fragments, needed):
             if k0 != 0 and t == k1 & _TRIANGLE and t == k2 & _TRIANGLE and t == k3 & _TRIANGLE:
                 fragments[count, 0], fragments[count, 1] = t, place + 15
                 count += 1
-                needed[triangles[t, 0]] = needed[triangles[t, 1]] = needed[triangles[t, 2]] = True
+                seen[t] = True
                 continue
             left = (k0 != 0) | (k1 != 0) << 1 | (k2 != 0) << 2 | (k3 != 0) << 3
             for s in range(4):
                 if not (left >> s) & 1:
                     continue
-                key = nearest[row, at + s]
+                key = nearest[at + np.uint64(s)]
                 t = key & _TRIANGLE
                 part, near = triangle_part[t], (key >> 32) / _STEPS
                 same = 1 << s
                 for other in range(s + 1, 4):
                     if (left >> other) & 1:
-                        key = nearest[row, at + other]
+                        key = nearest[at + np.uint64(other)]
                         too = (key >> 32) / _STEPS
                         if triangle_part[key & _TRIANGLE] == part and abs(too - near) < SAME_SURFACE_MM * too * near:
                             same |= 1 << other
                 left &= ~same
                 fragments[count, 0], fragments[count, 1] = t, place + same
                 count += 1
-                needed[triangles[t, 0]] = needed[triangles[t, 1]] = needed[triangles[t, 2]] = True
+                seen[t] = True
     return count
+
+
+@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
+def set_up(points, triangles, triangle_part, texture_level, seen, needed, planes, level):
+    """What every fragment of a triangle that is seen needs; sets ``needed`` for its vertices.
+
+    ``planes`` (triangles, 8) float32: place of corner a, how the shares of b and c grow across and down, 1/depth of b
+    and of c as parts of that of a (below 0 where the triangle is seen from behind). ``level`` (triangles,) int8: of the
+    texture, the one on which a texel is about as large as a pixel; -1 without a texture.
+    """
+    for t in prange(triangles.shape[0]):
+        if not seen[t]:
+            continue
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        needed[a] = needed[b] = needed[c] = True
+        ax, ay = float(points[a, X]), float(points[a, Y])
+        bx, by, cx, cy = points[b, X] - ax, points[b, Y] - ay, points[c, X] - ax, points[c, Y] - ay
+        area = bx * cy - by * cx
+        share, side = 1.0 / area, 1.0 if area < 0.0 else -1.0
+        planes[t, 0], planes[t, 1] = ax, ay
+        planes[t, 2], planes[t, 3], planes[t, 4], planes[t, 5] = cy * share, -cx * share, -by * share, bx * share
+        share = side / points[a, NEAR]
+        planes[t, 6], planes[t, 7] = share * points[b, NEAR], share * points[c, NEAR]
+        part = triangle_part[t]
+        wide, tall = texture_level[part, 0, 1], texture_level[part, 0, 2]
+        level[t] = -1
+        if wide > 0:
+            du, dv = points[b, U] - points[a, U], points[b, V] - points[a, V]
+            eu, ev = points[c, U] - points[a, U], points[c, V] - points[a, V]
+            ratio = abs((du * ev - dv * eu) * wide * tall / area)
+            level[t] = 0
+            while ratio > 2.0 and level[t] < texture_level.shape[1] - 1:
+                ratio *= 0.25
+                level[t] += 1
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def finest_levels(seen, triangle_part, level, finest):
+    """Lower ``finest`` (parts,) to the finest level of the texture that any triangle that is seen is read on."""
+    for t in range(seen.shape[0]):
+        if seen[t]:
+            finest[triangle_part[t]] = min(finest[triangle_part[t]], max(level[t], 0))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

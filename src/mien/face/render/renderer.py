@@ -17,7 +17,7 @@ from mien.face.render import rasteriser as raster
 from mien.face.render.camera import Camera, head_extent
 from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.face.render.lighting import Lighting
-from mien.face.render.scene import Scene
+from mien.face.render.scene import LEVELS, Scene
 from mien.face.render.shading import draw
 
 __all__ = ["MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer"]
@@ -26,6 +26,7 @@ Picture = NDArray[np.uint8]
 MAX_SIDE = 8192
 _LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
 SPREAD_STEPS = 2
+_FINE_MM = 0.6  # a pixel
 _CROWN_MM = 119.0  # over the eyes, of an adult
 # The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
 _ONE_AT_A_TIME = Lock()
@@ -75,11 +76,18 @@ class Renderer:
         self.lighting = lighting or Lighting.portrait()
         self.scene = Scene.of(face if self.scale == 1 else _scaled(face, self.scale), self.lighting.reach_mm)
         self._folds = [
-            (folds, self.scene.texels[folds.texels])
-            for part, levels in zip(face.parts, self.scene.texture_level, strict=True)
+            (folds, self.scene.texels[folds.texels], number)
+            for number, (part, levels) in enumerate(zip(face.parts, self.scene.texture_level, strict=True))
             if (folds := folds_of(part, levels[levels[:, 1] > 0])) is not None
         ]
         self.texels = self.scene.texels.copy() if self._folds else self.scene.texels
+        # Where a pixel is as large as what the coarse casters leave out, they cast the key light's shadows too.
+        fine = self.camera.field_mm / height < _FINE_MM
+        self.key_cells = light.KEY_CELLS if fine else light.KEY_CELLS * 5 // 8
+        scene = self.scene
+        self.key_casters = (
+            (scene.casters, scene.caster_vertices) if fine else (scene.coarse_casters, scene.coarse_vertices)
+        )
         self._light_axes = light.light_axes(self.lighting.directions)
         self.noise = _dither()
         if backdrop is None:
@@ -90,6 +98,8 @@ class Renderer:
         bands = -(-height // raster.BAND)
         self._order = np.argsort(np.arange(bands) % 8, kind="stable")
         self._fragments = np.empty((bands, 4 * raster.BAND * width, 2), dtype=np.int32)
+        self._planes = np.zeros((len(self.scene.triangles), 8), dtype=np.float32)
+        self._level = np.zeros(len(self.scene.triangles), dtype=np.int8)
         self._points = _in_lines(len(self.scene.uv))
         self._points[:, [raster.U, raster.V]] = self.scene.uv
         self._points[:, raster.SOLID] = self.scene.solid
@@ -116,6 +126,7 @@ class Renderer:
         scene, camera, lights = self.scene, self.camera, self.lighting
         axes, focal = camera.axes(), camera.focal_pixels(self.height)
         points, needed = self._points, np.zeros(len(vertices), dtype=np.bool_)
+        seen = np.zeros(len(scene.triangles), dtype=np.bool_)
         picture = np.empty((self.height, self.width, 4 if self.transparent else 3), dtype=np.uint8)
         counts = np.zeros(len(self._order), dtype=np.int64)
         with _ONE_AT_A_TIME:
@@ -125,22 +136,39 @@ class Renderer:
             )
             raster.cover(
                 points, scene.triangles, scene.triangle_part, start, listed, reach, self._order, self.height,
-                self._fragments, counts, needed,
+                self._fragments, counts, seen,
             )  # fmt: skip
+            raster.set_up(
+                points,
+                scene.triangles,
+                scene.triangle_part,
+                scene.texture_level,
+                seen,
+                needed,
+                self._planes,
+                self._level,
+            )
             lit, openness = self._light(vertices, normals, needed)
             raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
             draw(
-                points, scene.triangles, scene.triangle_part, reach, self._order, self._fragments, counts,
-                self.folded(posed), scene.texture_level, axes, focal, lights.directions, lights.colours, lights.sky,
-                self.behind, self.backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
+                points, scene.triangles, scene.triangle_part, self._planes, self._level, reach, self._order,
+                self._fragments, counts, self.folded(posed, seen), scene.texture_level, axes.astype(np.float32), focal,
+                lights.directions, lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure,
+                _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
             )  # fmt: skip
         return picture
 
-    def folded(self, posed: PosedFace) -> NDArray[np.uint8]:
-        """The texels of all parts with the folds that a pose has, shape (n, 3); the same array at every call."""
-        for folds, smooth in self._folds:
-            weights = folds.weights(posed.channels)
-            folds.lay(weights, smooth, self.texels)
+    def folded(self, posed: PosedFace, seen: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
+        """The texels of all parts with the folds that a pose has, shape (n, 3); the same array at every call.
+
+        Of textures on triangles that are ``seen`` only the levels that are read are right.
+        """
+        finest = np.full(len(self.scene.sheet), 0 if seen is None else LEVELS - 1, dtype=np.int8)
+        if seen is not None and self._folds:
+            raster.finest_levels(seen, self.scene.triangle_part, self._level, finest)
+        for folds, smooth, number in self._folds:
+            first = int(self.scene.texture_level[number, finest[number], 0])
+            folds.lay(folds.weights(posed.channels), smooth, self.texels, first)
         return self.texels
 
     def empty(self) -> Picture:
@@ -164,23 +192,24 @@ class Renderer:
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         scene, lights = self.scene, self.lighting
-        key_map = np.empty((light.KEY_CELLS, light.KEY_CELLS), dtype=np.float32)
+        key_map = np.empty((self.key_cells, self.key_cells), dtype=np.float32)
+        casters, listed = self.key_casters
         soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
         light.depth_maps(
-            vertices, scene.casters, scene.caster_vertices, scene.coarse_casters, scene.coarse_vertices,
+            vertices, casters, listed, scene.coarse_casters, scene.coarse_vertices,
             self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps,
         )  # fmt: skip
-        listed, lit = np.flatnonzero(needed), np.zeros_like(vertices)
+        shown, lit = np.flatnonzero(needed), np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
         light.vertex_light(
-            vertices, normals, listed, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
+            vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
             self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
             key_map, soft_maps, lit, openness,
         )  # fmt: skip
         for _ in range(SPREAD_STEPS):
             spread = lit.copy()
             around = scene.neighbour_start, scene.neighbour, scene.neighbour_weight
-            light.spread_below_skin(lit, listed, needed, scene.welded, *around, spread)
+            light.spread_below_skin(lit, shown, needed, scene.welded, *around, spread)
             lit = spread
         return lit, openness
 

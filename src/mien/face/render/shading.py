@@ -23,7 +23,6 @@ from mien.face.render.rasteriser import (
     DOME,
     HEAD_ON,
     KEY,
-    NEAR,
     NX,
     NY,
     NZ,
@@ -32,8 +31,6 @@ from mien.face.render.rasteriser import (
     SOLID,
     U,
     V,
-    X,
-    Y,
 )
 
 __all__ = ["CHUNK", "draw"]
@@ -45,13 +42,13 @@ _TINY, _GRAZING, _FULL_SHINE, _KNEE = (np.float32(each) for each in (1e-9, 0.05,
 # For the 16 sets of samples: the middle of those in it, and their share of a pixel.
 _BITS = (np.arange(16)[:, None] >> np.arange(4)) & 1
 _SHARE = (_BITS.sum(axis=1) / 4).astype(np.float32)
-_MIDDLE = (_BITS @ SAMPLES) / np.maximum(_BITS.sum(axis=1, keepdims=True), 1)
+_MIDDLE = ((_BITS @ SAMPLES) / np.maximum(_BITS.sum(axis=1, keepdims=True), 1)).astype(np.float32)
 
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def draw(
-    points, triangles, triangle_part, reach, order, fragments, counts, texels, texture_level, axes, focal,
-    directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise, out,
+    points, triangles, triangle_part, planes, level, reach, order, fragments, counts, texels, texture_level, axes,
+    focal, directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise, out,
 ):  # fmt: skip
     """Draw all bands into ``out``, (height, width, 3) uint8 before a background, or (height, width, 4) before none.
 
@@ -73,8 +70,9 @@ def draw(
         for begin in range(0, count, CHUNK):
             n = min(CHUNK, count - begin)
             _look_up(
-                fragments[band, begin : begin + n], n, top, left, 0.5 * width, 0.5 * height, 1.0 / focal,
-                points, triangles, triangle_part, texels, texture_level, linear, axes, mixed, chunk,
+                fragments[band, begin : begin + n], n, top, left, np.float32(0.5 * width), np.float32(0.5 * height),
+                np.float32(1.0 / focal), points, triangles, triangle_part, planes, level, texels, texture_level, linear,
+                axes[0], axes[1], axes[2], mixed, chunk,
             )  # fmt: skip
             _shine(n, directions, colours, sky, exposure, chunk)
             for i in range(n):
@@ -121,64 +119,44 @@ def _byte(value, srgb, dither):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _look_up(
-    fragments, n, top, left, middle_x, middle_y, per_pixel, points, triangles, triangle_part, texels,
-    texture_level, linear, axes, mixed, chunk,
+    fragments, n, top, left, middle_x, middle_y, per_pixel, points, triangles, triangle_part, planes, level, texels,
+    texture_level, linear, across, up, back, mixed, chunk,
 ):  # fmt: skip
     """Fill a chunk: what the corners say at each fragment, times the texture's colour, and the way to the camera."""
-    last = -1
-    level, wide, tall = -1, 1, 1
+    last = np.uint64(1 << 40)
+    first, wide, tall = -1, 1, 1
     for i in range(n):
-        t, place = fragments[i, 0], fragments[i, 1]
-        px = left + (place >> 8) + _MIDDLE[place & 15, 0]
-        py = top + ((place >> 4) & 15) + _MIDDLE[place & 15, 1]
+        t, place = np.uint64(fragments[i, 0]), fragments[i, 1]
+        px = np.float32(left + (place >> 8)) + _MIDDLE[place & 15, 0]
+        py = np.float32(top + ((place >> 4) & 15)) + _MIDDLE[place & 15, 1]
         if t != last:
             last = t
-            a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-            ax, ay, an = float(points[a, X]), float(points[a, Y]), float(points[a, NEAR])
-            bx, by, bn = float(points[b, X]), float(points[b, Y]), float(points[b, NEAR])
-            cx, cy, cn = float(points[c, X]), float(points[c, Y]), float(points[c, NEAR])
-            area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-            side = 1.0 if area > 0.0 else -1.0  # above 0: seen from behind
-            an, bn, cn = side * an, side * bn, side * cn
-            part = triangle_part[t]
-            level = -1
-            if texture_level[part, 0, 1] > 0:
-                level = _level(part, abs(area), points, a, b, c, texture_level)
-                first, wide, tall = (
-                    texture_level[part, level, 0], texture_level[part, level, 1], texture_level[part, level, 2],
-                )  # fmt: skip
+            a, b, c = np.uint64(triangles[t, 0]), np.uint64(triangles[t, 1]), np.uint64(triangles[t, 2])
+            ax, ay, bx, by = planes[t, 0], planes[t, 1], planes[t, 2], planes[t, 3]
+            cx, cy, bn, cn = planes[t, 4], planes[t, 5], planes[t, 6], planes[t, 7]
+            side = _ONE if bn > _ZERO else -_ONE
+            bn, cn = abs(bn), abs(cn)
+            first = -1
+            if level[t] >= 0:
+                size = texture_level[triangle_part[t], level[t]]
+                first, wide, tall = size[0], size[1], size[2]
         # Shares of the corners; the point may lie a little outside, so they are kept at 0 or more.
-        wa = max(0.0, ((bx - px) * (cy - py) - (by - py) * (cx - px)) * an)
-        wb = max(0.0, ((cx - px) * (ay - py) - (cy - py) * (ax - px)) * bn)
-        wc = max(0.0, ((ax - px) * (by - py) - (ay - py) * (bx - px)) * cn)
-        share = 1.0 / (wa + wb + wc)
-        fa, fb, fc = np.float32(wa * share), np.float32(wb * share), np.float32(wc * share)
+        dx, dy = px - ax, py - ay
+        fb, fc = dx * bx + dy * by, dx * cx + dy * cy
+        fa, fb, fc = max(_ONE - fb - fc, _ZERO), max(fb, _ZERO) * bn, max(fc, _ZERO) * cn
+        share = _ONE / (fa + fb + fc)
+        fa, fb, fc = fa * share, fb * share, fc * share
         for k in range(COLUMNS):
             mixed[k] = fa * points[a, k] + fb * points[b, k] + fc * points[c, k]
-        if level >= 0:
+        if first >= 0:
             _texture(first, wide, tall, texels, linear, mixed)
         for k in range(COLUMNS):
             chunk[k * CHUNK + i] = mixed[k]
-        flip = np.float32(-side)
-        for k in range(NX, NZ + 1):
-            chunk[k * CHUNK + i] *= flip
+        for k in range(NX, NZ + 1):  # turned to the camera where seen from behind
+            chunk[k * CHUNK + i] *= side
         ex, ey = (middle_x - px) * per_pixel, (py - middle_y) * per_pixel
         for k in range(3):
-            chunk[(_VX + k) * CHUNK + i] = axes[0, k] * ex + axes[1, k] * ey + axes[2, k]
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _level(part, area, points, a, b, c, texture_level):
-    """The level of the texture on which a texel is about as large as a pixel."""
-    wide, tall = texture_level[part, 0, 1], texture_level[part, 0, 2]
-    du, dv = points[b, U] - points[a, U], points[b, V] - points[a, V]
-    eu, ev = points[c, U] - points[a, U], points[c, V] - points[a, V]
-    ratio = abs(du * ev - dv * eu) * wide * tall / area
-    level = 0
-    while ratio > 2.0 and level < texture_level.shape[1] - 1:
-        ratio *= 0.25
-        level += 1
-    return level
+            chunk[(_VX + k) * CHUNK + i] = across[k] * ex + up[k] * ey + back[k]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -191,10 +169,11 @@ def _texture(first, wide, tall, texels, linear, mixed):
     i0, i1 = min(max(left, 0), wide - 1), min(max(left + 1, 0), wide - 1)
     j0, j1 = first + min(max(low, 0), tall - 1) * wide, first + min(max(low + 1, 0), tall - 1) * wide
     w00, w10, w01, w11 = (_ONE - fu) * (_ONE - fv), fu * (_ONE - fv), (_ONE - fu) * fv, fu * fv
+    p00, p10, p01, p11 = np.uint64(j0 + i0), np.uint64(j0 + i1), np.uint64(j1 + i0), np.uint64(j1 + i1)
     for k in range(3):
         mixed[RED + k] *= (
-            linear[texels[j0 + i0, k]] * w00 + linear[texels[j0 + i1, k]] * w10
-            + linear[texels[j1 + i0, k]] * w01 + linear[texels[j1 + i1, k]] * w11
+            linear[texels[p00, k]] * w00 + linear[texels[p10, k]] * w10
+            + linear[texels[p01, k]] * w01 + linear[texels[p11, k]] * w11
         )  # fmt: skip
 
 
