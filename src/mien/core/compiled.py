@@ -84,7 +84,7 @@ def _numba() -> ModuleType:
     folder = _folder()
     if folder is not None and folder != Path(__file__).parent / "__pycache__":
         os.environ[_VARIABLE] = str(folder)
-    # Threads that have nothing to do sleep. They would spin, and take the cores from the encoder and from other programs:
+    # Threads that have nothing to do sleep. They would spin, and take the cores from the encoder and other programs:
     # half as much processor time again for a picture on a busy machine.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     import numba
