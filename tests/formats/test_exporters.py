@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import subprocess
 import sys
@@ -51,15 +52,58 @@ def beside(exporter, path):
     return [exporter.companion(path)] if exporter.companion else []
 
 
+def named(kind, suffix):
+    """A name with all that shells and writers stumble over, or as long as the file system takes."""
+    odd = f" näyte “1” 'a' \"b\" 😀 %s {{id}} #?*&;$HOME{suffix}"
+    return odd if kind == "odd" else "é" * ((255 - len(suffix)) // 2) + "x" * ((255 - len(suffix)) % 2) + suffix
+
+
+@pytest.mark.parametrize("kind", ["odd", "long"])
 @every_own
-def test_name_in_any_script_and_overwriting(exporter, animation, face, tmp_path):
-    folder = tmp_path / "Äänet 声"
+def test_any_name_and_overwriting(exporter, kind, animation, face, tmp_path):
+    if exporter.companion and kind == "long":
+        pytest.skip("its folder beside it has a longer name; that is refused in one line")
+    folder = tmp_path / "Äänet 声 ' \" 😀"
     folder.mkdir()
-    path = folder / f"näyte “1”{exporter.suffix}"
+    path = folder / named(kind, exporter.suffix)
     path.write_text("old")
     save(animation, path, face=face)
     assert path.read_bytes() != b"old"
     assert sorted(folder.iterdir()) == sorted([path, *beside(exporter, path)])
+
+
+FULL = """
+import json, resource, sys
+from pathlib import Path
+from mien.core.errors import OutputError
+from mien.formats import EXPORTERS, save
+from tests.faces import tiny_animation, tiny_face
+animation, face, told = tiny_animation(6), tiny_face(), {}
+for exporter in (one for one in EXPORTERS if one.suffix != ".fbx"):
+    folder = Path(sys.argv[1]) / exporter.suffix[1:]
+    (folder / "full").mkdir(parents=True)
+    save(animation, folder / f"a{exporter.suffix}", face=face)
+    most = max(path.stat().st_size for path in folder.rglob("*") if path.is_file()) // 2
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, -1))
+    try:
+        save(animation, folder / "full" / f"a{exporter.suffix}", face=face)
+        told[exporter.suffix] = "written"
+    except OutputError as problem:
+        told[exporter.suffix] = str(problem)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))
+print(json.dumps(told))
+"""
+
+
+def test_a_file_that_cannot_grow_is_one_line_and_leaves_nothing(tmp_path):
+    """As on a full disk, but that the writers themselves meet it, in the middle of what they write."""
+    done = subprocess.run([sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert set(told) == {exporter.suffix for exporter in EXPORTERS} - {".fbx"}
+    assert all(words.startswith("cannot write") and "\n" not in words for words in told.values()), told
+    assert [path for folder in tmp_path.iterdir() for path in (folder / "full").iterdir()] == []
 
 
 @every_own

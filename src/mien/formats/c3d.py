@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mien.animation.animation import Animation
 from mien.core.channels import WEIGHTS
-from mien.core.errors import InputError, Note
+from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.core.tracks import MarkerTrack
 from mien.face.deformers import poser_for
@@ -125,7 +125,12 @@ def write_c3d(
     with tempfile.TemporaryDirectory() as folder:  # the library opens no path beyond ASCII on every system
         made = Path(folder) / "a.c3d"
         file.write(str(made))
-        content = _with_analog_arrays(made.read_bytes())
+        content = made.read_bytes()
+        if len(content) < 4 * sum(
+            int(np.prod(array.shape)) for array in (file["data"]["points"], file["data"]["analogs"])
+        ):
+            raise OutputError(f"cannot write {path}: the disk of {folder} is full; free some space and run again")
+        content = _with_analog_arrays(content)
     with replace_when_complete(path) as unfinished:
         unfinished.write_bytes(content)
     return notes

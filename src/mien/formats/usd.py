@@ -16,6 +16,7 @@ hold pictures and sound: they go into a folder beside it, ``line_usdc`` for ``li
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -191,8 +192,15 @@ class _Stage:
         self._play_sound()
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / f"layer.{kind}"
-            if not self.stage.GetRootLayer().Export(str(file)):
-                raise OutputError(f"USD could not write its layer to {folder}")
+            try:
+                written = self.stage.GetRootLayer().Export(str(file))
+            except RuntimeError as problem:  # pxr.Tf.ErrorException, with a line for every piece that failed
+                reason = re.findall(r"'([^']*)'\s*$", str(problem), re.MULTILINE)[:1] or ["no reason given"]
+                raise OutputError(
+                    f"cannot write the USD layer to {folder}: {reason[0]}: is the disk full?"
+                ) from problem
+            if not written:
+                raise OutputError(f"cannot write the USD layer to {folder}: is the disk full?")
             return file.read_bytes()
 
     def _describe(self, animation: Animation) -> None:
