@@ -12,6 +12,7 @@ import contextlib
 import errno
 import hashlib
 import os
+import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -20,7 +21,7 @@ from pathlib import Path
 
 from mien.core.errors import OutputError
 
-__all__ = ["check_writable", "claimed_outputs", "held_alone", "replace_when_complete"]
+__all__ = ["check_writable", "claimed_outputs", "folder_until_complete", "held_alone", "replace_when_complete"]
 
 _LONGEST_SUFFIX = 32
 """Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
@@ -99,21 +100,52 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
         path = check_writable(path.resolve())
     unfinished, handle = _temporary(path)
     try:
-        yield unfinished
-        umask = os.umask(0)
-        os.umask(umask)
-        unfinished.chmod(0o666 & ~umask)
-        _to_disk(unfinished)
-        unfinished.replace(path)
-        _to_disk(path.parent)
-        _release(path)
+        with _writing(path):
+            yield unfinished
+            umask = os.umask(0)
+            os.umask(umask)
+            unfinished.chmod(0o666 & ~umask)
+            _to_disk(unfinished)
+            unfinished.replace(path)
+            _to_disk(path.parent)
+            _release(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+        os.close(handle)
+
+
+@contextmanager
+def folder_until_complete(path: str | Path) -> Iterator[Path]:
+    """Yield an empty folder beside ``path``, in which many files are made before they take their places; then it goes.
+
+    One that a killed program left is emptied and used again.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be made, or the disk fills up.
+    """
+    path = check_writable(path)
+    mark = hashlib.sha256(path.name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
+    folder = path.parent / f".mien-{mark}-files"
+    try:
+        with _writing(path):
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Put what the system has against writing into one line."""
+    try:
+        yield
     except OSError as problem:
         if problem.errno == errno.ENOSPC:
             raise OutputError(f"cannot write {path}: the disk is full; free some space and run again") from problem
         raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
-    finally:
-        unfinished.unlink(missing_ok=True)
-        os.close(handle)
 
 
 @contextmanager

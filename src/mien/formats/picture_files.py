@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import islice, pairwise
@@ -14,7 +13,7 @@ from PIL import Image
 
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note
-from mien.core.files import check_writable, replace_when_complete
+from mien.core.files import folder_until_complete, replace_when_complete
 from mien.face.model import Face
 from mien.face.render.renderer import Picture
 from mien.face.render.view import View
@@ -89,12 +88,11 @@ def write_png_frames(
     """
     files = frame_files(path, len(animation.channels))
     pictures = drawn_frames(animation, face, path, (view or View()).renderer(face), progress)
-    folder = check_writable(files[0]).parent
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".frames-") as name:
+    with folder_until_complete(path) as folder:
         for file, picture in zip(files, pictures, strict=True):
-            Image.fromarray(picture).save(Path(name) / file.name, format="PNG", compress_level=3)
+            Image.fromarray(picture).save(folder / file.name, format="PNG", compress_level=3)
         for file in files:
-            (Path(name) / file.name).replace(file)
+            (folder / file.name).replace(file)
     following = frame_files(path, len(files) + 1)[-1]
     message = f"{following.name} and what may follow it are of an earlier run: this one has {len(files)} frames"
     return (Note("warning", message),) if following.exists() else ()
