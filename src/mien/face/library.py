@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeGuard
 
+from mien.core.assets import assets_in
 from mien.core.errors import InputError, unknown_name
 from mien.face.default_face import default_face
 from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
 from mien.face.storage import read_face
 
-__all__ = ["is_named_face", "known_faces", "load_face"]
+__all__ = ["is_named_face", "known_faces", "load_face", "portrait"]
 
 
 def known_faces() -> tuple[str, ...]:
@@ -38,6 +39,17 @@ def is_named_face(name: object) -> TypeGuard[str]:
     from mien.face.cast.person import is_blend
 
     return isinstance(name, str) and (name in known_faces() or is_blend(name))
+
+
+def portrait(name: str) -> Path | None:
+    """A small picture of a face that comes with mien, 160 by 200 pixels, ``.jpg``; None for a face that has none.
+
+    Examples
+    --------
+    >>> portrait("amara").suffix
+    '.jpg'
+    """
+    return assets_in("faces/portraits", ".jpg").get(name)
 
 
 def load_face(name: str | Path = "default") -> Face:

@@ -26,6 +26,7 @@ __all__ = ["beard_part", "hair_parts"]
 _CROWN = np.array([0.0, 98.0, -118.0])
 _EAR_FREE = 0.25
 _LANES = 12
+_CLEAR = 0.9  # mm that strands keep off the skin, whose shadow they would lie in
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.integer[Any]]
@@ -134,14 +135,14 @@ def _grow(
     step = (length / steps)[:, None]
     lift, fall = float(cut["lift"]), float(cut["fall"])
     stray = chance.normal(size=(count, 3)) * (0.16 if tie is None else 0.04)
-    place, normal = roots.place - 0.8 * roots.normal, roots.normal
+    place, normal = roots.place - 0.3 * roots.normal, roots.normal
     heading = _combed(cut, roots.place, normal, part, tie) + lift * normal + stray
     heading /= np.linalg.norm(heading, axis=1, keepdims=True)
     line, normals = [place], [normal]
     for number in range(steps):
         place = place + step * heading
         height, normal = ground.height(place)
-        wanted = layer * thick * min(1.0, (number + 1) / max(1.0, 0.35 * steps)) + 0.25
+        wanted = layer * thick * min(1.0, (number + 1) / max(1.0, 0.35 * steps)) + _CLEAR
         if tie is not None:
             wanted = wanted * np.clip(np.linalg.norm(tie - place, axis=1) / 30, 0.3, 1)
         place = place + np.maximum(wanted - height, 0)[:, None] * normal
@@ -276,7 +277,10 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     pieces = [(line, normals, width, layer)]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
-    parts = [_part_of("hair" if n == 0 else "hair_tail", *piece, person, chance) for n, piece in enumerate(pieces)]
+    parts = [
+        _part_of("hair" if n == 0 else "hair_tail", *piece, person, chance, 0.3 if tie is None else 0.08)
+        for n, piece in enumerate(pieces)
+    ]
     return (*parts, _cap(space, face, ground, cut, person)) if cut.get("cap", 1) else tuple(parts)
 
 
@@ -321,11 +325,18 @@ def _tied(
 
 
 def _part_of(
-    name: str, line: Floats, normals: Floats, width: Floats, layer: Floats, person: Person, chance: np.random.Generator
+    name: str,
+    line: Floats,
+    normals: Floats,
+    width: Floats,
+    layer: Floats,
+    person: Person,
+    chance: np.random.Generator,
+    twist: float = 0.3,
 ) -> Part:
     count = len(line)
     lane = chance.integers(_LANES, size=count)
-    vertices, triangles, uv = _ribbons(line, normals, width, 0.35 * chance.normal(size=count), lane)
+    vertices, triangles, uv = _ribbons(line, normals, width, twist * chance.normal(size=count), lane)
     colours = np.repeat(_strand_colours(person, layer, chance), len(vertices) // count, axis=0)
     # Hair on the shoulders stays with them when the head turns.
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, vertices[:, 1])
@@ -354,7 +365,7 @@ def _cap(space: HeadSpace, face: Face, ground: _Ground, cut: Mapping[str, Any], 
     full = full * (1 + 0.12 * layered_noise(rest, 16.0, person.seed + 70, layers=2)) if "cap" in cut else full
     lift = full * smoothstep(2.0, 26.0, depth) - 1.6 * smoothstep(6.0, 0.0, depth)
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, place[:, 1])
-    dark = np.asarray(_strand_colours(person, np.full(1, 0.35), np.random.default_rng(0)))[0]
+    dark = np.asarray(_strand_colours(person, np.full(1, 0.52), np.random.default_rng(0)))[0]
     speck = 1 + 0.25 * layered_noise(rest, 5.0, person.seed + 71, layers=2)[:, None]
     keep = (depth[local] > -8).any(axis=1)
     used, local = np.unique(local[keep], return_inverse=True)

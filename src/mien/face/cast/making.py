@@ -12,7 +12,7 @@ from mien.face.cast.hair import beard_part, hair_parts
 from mien.face.cast.noise import smoothstep
 from mien.face.cast.people import head_weights
 from mien.face.cast.person import Person, looks
-from mien.face.cast.skin_paint import paint_skin
+from mien.face.cast.skin_paint import paint_skin, skin_tone
 from mien.face.contact import lip_seam
 from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import SKIN, HeadSpace, head_space
@@ -57,17 +57,22 @@ def make_face(person: Person) -> Face:
 
 
 def _sealed(space: HeadSpace, skin: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The skin with lips that lie on each other at rest as the default face's do, pair by pair."""
+    """The skin with lips that lie on each other at rest as the default's do, pair by pair, but closer in depth."""
     lips = lip_seam()
-    sides = [(lips.upper, lips.upper_pull, -0.5), (lips.lower, lips.lower_pull, 0.5)]
-    wanted = lips.upper @ space.rest - lips.lower @ space.rest
-    for _ in range(4):
-        apart = lips.upper @ skin - lips.lower @ skin - wanted
+    marks = [name for name in space.face.sites if name.startswith("lip_upper_inner")]
+    upper, lower = (
+        np.r_[edge.indices, [space.face.sites[mark.replace("upper", side)][1] for mark in marks]]
+        for edge, side in ((lips.upper, "upper"), (lips.lower, "lower"))
+    )
+    sides = [(upper, lips.upper_pull, -0.5), (lower, lips.lower_pull, 0.5)]
+    wanted = (space.rest[upper] - space.rest[lower]) * np.array([1.0, 1.0, 0.25])
+    for _ in range(12):
+        apart = skin[upper] - skin[lower] - wanted
         moved = np.zeros_like(skin)
         for edge, pull, share in sides:
             near = np.flatnonzero(pull > 0.01)
-            away, pairs = cKDTree(edge @ space.rest).query(space.rest[near], k=6)
-            weight = 1 / np.maximum(away, 0.3) ** 2
+            away, pairs = cKDTree(space.rest[edge]).query(space.rest[near], k=4)
+            weight = 1 / np.maximum(away, 0.2) ** 3
             weight /= weight.sum(axis=1, keepdims=True)
             moved[near] += 2 * pull[near, None] * share * np.einsum("nk,nkc->nc", weight, apart[pairs])
         skin = skin + moved
@@ -149,7 +154,7 @@ def _brows(brows: Part, person: Person) -> Part:
         chosen = number[target.vertices] >= 0
         targets[name] = Target(number[target.vertices[chosen]].astype(np.int32), target.offsets[chosen])
     dark, light = (np.array(colour) for colour in person.hair_colour)
-    colour = dark + 0.30 * (light - dark)
+    colour = 0.88 * (dark + 0.65 * (light - dark)) + 0.12 * skin_tone(person.tone)
     silver = np.array(looks()["hair_colours"]["grey"][1])
     red, green, blue = np.clip((colour + 0.8 * person.grey * (silver - colour)) / 0.8 * _BROWS, 0, 1).tolist()
     return replace(

@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt, zoom
 from mien.face.cast.noise import layered_noise, smoothstep, value_noise
 from mien.face.cast.people import open_sky
 from mien.face.cast.person import Person, looks
-from mien.face.cast.scalp import beard_growth, brow_growth, hair_growth
+from mien.face.cast.scalp import beard_growth, brow_growth, hair_depth
 from mien.face.folds import drawn_folds
 from mien.face.head_space import head_space
 from mien.face.render.raster_maps import draw_triangles
@@ -143,7 +143,7 @@ def _with_pores(picture: Floats, person: Person) -> NDArray[np.uint8]:
     x, y, z = sheet.place.T
     where = np.exp(-((x / 30) ** 2) - ((y + 26) / 24) ** 2 - ((z - 36) / 36) ** 2)
     where += 0.5 * np.exp(-((x / 40) ** 2) - ((y - 42) / 24) ** 2 - ((z - 30) / 40) ** 2)
-    depth = (0.09 + 0.15 * np.minimum(where, 1)) * (1 + 0.4 * person.ageing) * (1 - 0.7 * sheet.lips)
+    depth = (0.09 + 0.10 * np.minimum(where, 1)) * (1 + 0.25 * person.ageing) * (1 - 0.7 * sheet.lips)
     tone = np.ones((SIZE, SIZE), dtype=np.float32)
     tone[sheet.covered] = 1 + 0.03 * fine - depth * pores
     large = np.stack([zoom(picture[..., c], 2, order=1, grid_mode=True, mode="nearest") for c in range(3)], axis=2)
@@ -230,16 +230,16 @@ def _growth(paint: _Paint) -> None:
     dark = np.asarray(person.hair_colour[0])
     hair_shade = dark + 0.55 * person.grey * (np.array([0.55, 0.54, 0.53]) - dark)
     ragged = 0.10 * layered_noise(place, 3.0, person.seed + 40) + 0.06 * value_noise(place, 0.7, person.seed + 41)
+    edge = 3.5 * layered_noise(place, 7.0, person.seed + 44) + 30 * ragged
     cut = looks()["cuts"][person.hair]
-    growth = hair_growth(place, cut) * (1 - smoothstep(0.05, 0.4, paint.sheet.ears))
+    thin = float(cut.get("soft", 9.0))
+    growth = smoothstep(-4.0, thin, hair_depth(place, cut) + edge) * (1 - smoothstep(0.05, 0.4, paint.sheet.ears))
     speck = 0.5 + 0.5 * smoothstep(-0.5, 0.5, value_noise(place, 0.5, person.seed + 42))
     cover = float(cut.get("scalp", 0.9))
-    paint.mix(
-        cover * smoothstep(0.12, 0.62, growth + ragged * (growth > 0.02)) * (speck if cover < 0.7 else 1), hair_shade
-    )
+    paint.mix(cover * growth * (speck if cover < 0.7 else 1), hair_shade)
     brows = brow_growth(place)
     brow = dark * 0.9 + 0.7 * person.grey * (np.array([0.5, 0.48, 0.46]) - dark * 0.9)
-    paint.mix(0.38 * person.brows * smoothstep(0.1, 0.9, brows + ragged * (brows > 0.05)), brow)
+    paint.mix(0.34 * person.brows * smoothstep(0.1, 0.9, brows + ragged * (brows > 0.05)), brow)
     if person.beard:
         style = looks()["beards"][person.beard]
         beard = beard_growth(place, style) * (1 - smoothstep(0.1, 0.5, paint.sheet.lips))
