@@ -28,7 +28,7 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
         "--face",
         default="default",
         metavar="NAME|FILE",
-        help="the face to show: default, .npz, .obj, or one of your own in .glb, .vrm or .gltf (docs/faces.md)",
+        help="the face to show: one of mien faces, a blend (amara+mei:0.3), .npz, .obj, or your own .glb, .vrm, .gltf",
     )
     parser.add_argument(
         "--arms", choices=("lower", "keep"), default="lower", help="of an avatar in T-pose (default: lowered)"

@@ -95,7 +95,9 @@ def _tangent(direction: Floats, normal: Floats) -> Floats:
     return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-6))
 
 
-def _combed(cut: Mapping[str, Any], points: Floats, normal: Floats, part: float, tie: Floats | None) -> Floats:
+def _combed(
+    cut: Mapping[str, Any], points: Floats, normal: Floats, part: float, tie: Floats | None, front: Floats
+) -> Floats:
     """Which way the comb went at these points: unit vectors along the head."""
     comb = cut["comb"]
     if comb == "out":
@@ -103,7 +105,7 @@ def _combed(cut: Mapping[str, Any], points: Floats, normal: Floats, part: float,
     if comb == "tie" and tie is not None:
         return _tangent(tie - points, normal)
     away = points - _CROWN
-    x, y, z = points.T
+    x, y, _ = points.T
     top = smoothstep(25.0, 75.0, y)[:, None]
     down = np.tile([0.0, -1.0, -0.25], (len(points), 1))
     if comb == "crown":
@@ -114,8 +116,7 @@ def _combed(cut: Mapping[str, Any], points: Floats, normal: Floats, part: float,
         return _tangent(top * np.array([0.0, 0.1, -1.0]) + (1 - top) * np.array([0.0, -0.45, -1.0]), normal)
     aside = np.tanh((x - part) / 9.0)[:, None] * np.array([1.0, 0.0, 0.0]) + np.array([0.0, -0.1, -0.45])
     if comb == "fringe":
-        front = (smoothstep(-50.0, -20.0, z) * smoothstep(46.0, 36.0, np.abs(x)))[:, None]
-        aside = aside + front * (np.array([0.0, 0.0, 1.9]) - aside)
+        aside = aside + front[:, None] * (np.array([0.0, 0.0, 1.9]) - aside)
     return _tangent(top * aside + (1 - top) * down, normal)
 
 
@@ -129,6 +130,7 @@ def _grow(
     chance: np.random.Generator,
     part: float,
     tie: Floats | None,
+    front: Floats,
 ) -> tuple[Floats, Floats]:
     """Points (k, steps + 1, 3) of strands, and the ground's normals below them."""
     count, steps = len(length), int(cut["steps"])
@@ -136,7 +138,7 @@ def _grow(
     lift, fall = float(cut["lift"]), float(cut["fall"])
     stray = chance.normal(size=(count, 3)) * (0.16 if tie is None else 0.04)
     place, normal = roots.place - 0.3 * roots.normal, roots.normal
-    heading = _combed(cut, roots.place, normal, part, tie) + lift * normal + stray
+    heading = _combed(cut, roots.place, normal, part, tie, front) + lift * normal + stray
     heading /= np.linalg.norm(heading, axis=1, keepdims=True)
     line, normals = [place], [normal]
     for number in range(steps):
@@ -146,12 +148,13 @@ def _grow(
         if tie is not None:
             wanted = wanted * np.clip(np.linalg.norm(tie - place, axis=1) / 30, 0.3, 1)
         place = place + np.maximum(wanted - height, 0)[:, None] * normal
-        if fall < 0.3 and cut["comb"] != "out":  # short hair and tied hair lie on
-            place = place - (0.5 * np.maximum(height - 1.6 * wanted - 1.0, 0))[:, None] * normal
+        if cut["comb"] != "out":  # short hair and tied hair lie on, all hair on top of the head
+            lies = 0.5 if fall < 0.3 else 0.7 * smoothstep(15.0, 55.0, place[:, 1])
+            place = place - (lies * np.maximum(height - 1.6 * wanted - 1.0, 0))[:, None] * normal
         moved = place - line[-1]
         moved /= np.maximum(np.linalg.norm(moved, axis=1, keepdims=True), 1e-6)
         free = smoothstep(4.0, 30.0, height)[:, None] if fall >= 0.3 else np.zeros((count, 1))
-        comb = _combed(cut, place, normal, part, tie)
+        comb = _combed(cut, place, normal, part, tie, front)
         heading = 0.55 * moved + (1 - fall) * (1 - free) * comb + fall * np.array([0.0, -1.0, 0.0]) + 0.25 * stray
         heading /= np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-6)
         if tie is not None:
@@ -258,22 +261,22 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     thick = (thin + (deep - thin) * top) * (0.35 + 0.65 * inside)
     layer = chance.uniform(size=count) ** 0.7
     part = float(chance.choice([-24.0, 24.0, 4.0]))
+    front = ((roots.rest[:, 2] > -50) & (np.abs(roots.rest[:, 0]) < 56) & (cut["comb"] == "fringe")).astype(float)
     tie = np.array([0.0, *cut["to"]]) if "to" in cut else None
     if "rows" in cut:
         length, layer = length, layer * 0.5 + 0.5 * np.abs(np.sin(np.pi * cut["rows"] * _turn(roots.rest) / 2)) ** 0.5
     if "drop" in cut:
         reach = np.maximum(roots.place[:, 1] - float(cut["drop"]), 18) * (1.0 + 0.30 * top)
-        if cut["comb"] == "fringe":  # what falls over the forehead ends above the eyes
-            x, _, z = roots.rest.T
-            front = smoothstep(-52.0, -38.0, z) * smoothstep(48.0, 42.0, np.abs(x))
-            reach = reach + front * (62.0 - np.minimum(z, 12) - reach)
+        reach = np.where(front > 0.5, 55.0 - np.minimum(roots.rest[:, 2], 12), reach)  # a fringe ends above the eyes
         length = np.minimum(length, reach * chance.uniform(0.93, 1.05, count))
-    line, normals = _grow(ground, cut, roots, length, layer, thick, chance, part, tie)
+    line, normals = _grow(ground, cut, roots, length, layer, thick, chance, part, tie, front)
     for key in ("curl", "wave"):
         if key in cut:
             radius, pitch = cut[key]
             line = _curled(line, normals, radius, pitch, chance, key == "wave")
     width = float(cut["width"]) * chance.uniform(0.7, 1.25, count) * (0.55 + 0.45 * inside)
+    if float(cut["fall"]) >= 0.3:
+        width = width * (1 + 0.9 * smoothstep(0.55, 0.1, layer))  # inner strands fill the gaps
     pieces = [(line, normals, width, layer)]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
@@ -408,13 +411,13 @@ def beard_part(space: HeadSpace, face: Face, person: Person) -> Part | None:
     heading = _tangent(way, roots.normal) + 0.35 * roots.normal + 0.2 * chance.normal(size=(count, 3))
     heading /= np.linalg.norm(heading, axis=1, keepdims=True)
     curve = np.array([0.0, -0.3, 0.0]) + 0.12 * chance.normal(size=(count, 3))
-    t = np.linspace(0, 1, 4)[None, :, None]
+    t = np.linspace(0, 1, 3)[None, :, None]
     line = (
         roots.place[:, None]
         - 0.3 * roots.normal[:, None]
         + length[:, None, None] * (t * heading[:, None] + t**2 * curve[:, None])
     )
-    normals = np.repeat(roots.normal[:, None], 4, axis=1)
+    normals = np.repeat(roots.normal[:, None], 3, axis=1)
     layer = chance.uniform(0.35, 1.0, count)
     part = _part_of(
         "beard", line, normals, float(style["width"]) * chance.uniform(0.8, 1.3, count), layer, person, chance

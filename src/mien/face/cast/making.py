@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,11 +18,19 @@ from mien.face.contact import lip_seam
 from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import SKIN, HeadSpace, head_space
 from mien.face.model import Face, Material, Part, Target
+from mien.face.surface import vertex_normals
 
 __all__ = ["make_face"]
 
 _IRIS = 0.395  # radians from the optical axis to the rim of the iris, as the default eye is painted
 _POWER = 0.6  # bends the eye's texture so that the iris gets more of it
+_POSES: tuple[dict[str, float], ...] = (
+    {},
+    {"jawOpen": 0.3, "mouthSmileLeft": 1.0, "mouthSmileRight": 1.0},
+    {"jawOpen": 0.7},
+    {"jawOpen": 0.3, "mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0},
+)
+_ROOM = 2.5  # mm of flesh in front of gums
 _LEFT_OUT = ("hair", "hair_clumps")
 _BROWS = np.array([0.90, 0.88, 0.86])
 
@@ -42,6 +51,9 @@ def make_face(person: Person) -> Face:
     weights = head_weights(person.sex, person.age, person.shares, person.features, (person.weight, person.muscle))
     face = reshaped_face(space, _sealed(space, space.shape(weights)), person.name).face
     parts = {part.name: part for part in face.parts if part.name not in _LEFT_OUT}
+    back = _too_far_forward(space, face)
+    for name in ("teeth_upper", "teeth_lower", "tongue"):
+        parts[name] = replace(parts[name], vertices=parts[name].vertices - np.array([0, 0, back], np.float32))
     parts[SKIN] = replace(parts[SKIN], material=_skin_material(person, parts[SKIN].material))
     parts["shirt"] = _dyed(parts["shirt"], person)
     parts["brows"] = _brows(parts["brows"], person)
@@ -79,12 +91,41 @@ def _sealed(space: HeadSpace, skin: NDArray[np.float64]) -> NDArray[np.float64]:
     return skin
 
 
+def _posed(part: Part, pose: Mapping[str, float]) -> NDArray[np.float64]:
+    vertices = part.vertices.astype(np.float64)
+    for name, weight in pose.items():
+        if name in part.targets:
+            vertices[part.targets[name].vertices] += weight * part.targets[name].offsets
+    return vertices
+
+
+def _too_far_forward(space: HeadSpace, face: Face) -> float:
+    """By how much the teeth must go back to keep off the skin in front of them what the default's do, mm."""
+
+    def room(owner: Face) -> NDArray[np.float64]:
+        found = []
+        for pose in _POSES:
+            skin = _posed(owner.part(SKIN), pose)
+            facing = vertex_normals(skin, space.triangles)[:, 2] > 0.3
+            front = skin[facing & (space.inside_mouth < 0.3) & (space.lips < 0.6) & (space.rest[:, 2] > 0)]
+            tree = cKDTree(front[:, :2])
+            for name in ("teeth_upper", "teeth_lower"):
+                points = _posed(owner.part(name), pose)
+                points = points[(points[:, 2] > points[:, 2].max() - 14) & (np.abs(points[:, 0]) < 20)]
+                away, near = tree.query(points[:, :2])
+                found.append((front[near, 2] - points[:, 2])[away < 4].min())
+        return np.array(found)
+
+    wanted = np.minimum(room(space.face), _ROOM)
+    return float(np.clip((wanted - room(face)).max(), 0, 6))
+
+
 def _skin_material(person: Person, material: Material) -> Material:
     return replace(
         material,
         texture=paint_skin(person),
-        roughness=0.54 + 0.06 * person.ageing - 0.07 * person.tone,
-        specular=0.30 + 0.10 * person.tone,
+        roughness=0.55 + 0.06 * person.ageing - 0.02 * person.tone,
+        specular=0.30 + 0.03 * person.tone,
         scatter=0.60 - 0.22 * person.tone,
         folds=0.85 + 0.75 * person.ageing,
     )

@@ -18,7 +18,7 @@ _DRAWN, _SPREAD = 18, 0.36  # local features that a seed draws, and how far they
 _ORIGINS = ("african", "asian", "caucasian")
 # What MakeHuman's means lack to look like somebody: hand-made, by eye. For all, women, men, and the old, who frown.
 _TOUCHES: tuple[dict[str, float], ...] = (
-    {"eye-scale-incr": 0.42, "eye-height2-incr": 0.10, "mouth-scale-horiz-incr": 0.20, "mouth-angles-up": 0.15},
+    {"eye-scale-incr": 0.42, "eye-height2-incr": 0.10, "mouth-scale-horiz-incr": 0.20, "mouth-angles-up": 0.25},
     {"eye-scale-incr": 0.28, "head-oval": 0.30, "chin-width-decr": 0.35, "chin-jaw-drop-decr": 0.25,
      "nose-scale-horiz-decr": 0.20, "mouth-upperlip-height-incr": 0.20, "mouth-lowerlip-height-incr": 0.20,
      "eyebrows-trans-backward": 0.45, "forehead-nubian-decr": 0.1, "neck-scale-horiz-decr": 0.35},

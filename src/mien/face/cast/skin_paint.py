@@ -37,7 +37,7 @@ _ZONES = {
     "brown": ((0.80, 0.66, 0.55), (0.78, 0.74, 0.70)),
 }
 _LIPS = ((0.745, 0.450, 0.415), (0.400, 0.225, 0.205))
-_INSIDE, _DEEP = np.array([0.72, 0.345, 0.33]), np.array([0.36, 0.115, 0.11])
+_INSIDE, _DEEP = np.array([0.64, 0.28, 0.27]), np.array([0.27, 0.075, 0.07])
 # How much of each fold stays in the face of somebody of 85.
 _STAYING = {"forehead": 0.55, "crows": 0.7, "below-eye": 0.7, "smile": 0.45, "sneer": 0.25, "between": 0.35}
 _SHADE = np.array([0.52, 0.33, 0.30])
@@ -268,7 +268,7 @@ def _lips(paint: _Paint) -> None:
     paint.mix(0.45 * paint.spot(corner[0] + 0.5, corner[1] - 1.5, corner[2], (4.0, 3.5, 6.0)), edge)
     inside = smoothstep(0.0, 0.7, sheet.inside)
     paint.mix(inside, _INSIDE)
-    depth = smoothstep(8.0, 55.0, sites["lip_lower_inner"][2] - place[:, 2])
+    depth = smoothstep(5.0, 42.0, sites["lip_lower_inner"][2] - place[:, 2])
     paint.mix(inside * (0.1 + 0.9 * depth), _DEEP)
 
 
