@@ -56,10 +56,10 @@ def main() -> None:
         face = load_face(name)
         camera = Camera.head_shot(face, 0.9)
         for view, (yaw, pitch) in VIEWS.items():
-            rows.append(draw(face, camera.turned(yaw, pitch), (270, 300)))
+            rows.append(draw(face, camera.turned(yaw, pitch), (225, 250)))
             labels.append(f"{name}, {view}")
         for emotion in EMOTIONS:
-            rows.append(draw(face, camera, (270, 300), expression_channels(emotion)))
+            rows.append(draw(face, camera, (225, 250), expression_channels(emotion)))
             labels.append(f"{name}, {emotion}")
     Image.fromarray(contact_sheet(rows, labels, 9)).save(ROOT / "docs/pictures/cast-close.jpg", quality=82)
 

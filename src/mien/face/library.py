@@ -12,7 +12,7 @@ from mien.face.model import Face
 from mien.face.obj import face_of_mesh, read_obj
 from mien.face.storage import read_face
 
-__all__ = ["is_named_face", "known_faces", "load_face", "portrait"]
+__all__ = ["check_face", "is_named_face", "known_faces", "load_face", "portrait"]
 
 
 def known_faces() -> tuple[str, ...]:
@@ -39,6 +39,26 @@ def is_named_face(name: object) -> TypeGuard[str]:
     from mien.face.cast.person import is_blend
 
     return isinstance(name, str) and (name in known_faces() or is_blend(name))
+
+
+def check_face(name: str) -> None:
+    """Refuse what names no face, without reading or making one.
+
+    Raises
+    ------
+    InputError
+        If it is neither a name (`is_named_face`) nor a file, or a blend whose share is no number from 0 to 1.
+
+    Examples
+    --------
+    >>> check_face("amara+mei:0.5")
+    """
+    from mien.face.cast.person import is_blend, person_called
+
+    if is_blend(name):
+        person_called(name)
+    elif not is_named_face(name) and not Path(name).is_file():
+        raise unknown_name("face", name, known_faces())
 
 
 def portrait(name: str) -> Path | None:

@@ -52,6 +52,8 @@ def test_levels_are_crossed_and_rows_are_listed(tmp_path: Path) -> None:
         ("name,sentence\na,Oh.\na,No.\n", "line 3: the name 'a' is used at"),
         ("name,sentence\n../a,Oh.\n", "line 2: a name is letters"),
         ("sentence,width\nOh.,333\n", "even numbers"),
+        ("sentence,face\nOh.,amarra\n", "line 2: unknown face 'amarra': did you mean 'amara'"),
+        ("sentence,face\nOh.,amara+mei:9\n", "line 2: a blend of two faces"),
         ("sentence\n", "no stimulus"),
     ],
 )

@@ -22,7 +22,7 @@ def test_it_has_every_shape_part_and_site_of_the_default_face() -> None:
     assert set(face.part("skin").targets) == set(own.part("skin").targets)
     names = {part.name for part in face.parts}
     assert names >= {part.name for part in own.parts} - {"hair", "hair_clumps"}
-    assert {"hair", "hair_cap", "beard"} <= names
+    assert {"hair", "hair_cap", "beard", "tears"} <= names
     assert face.sites == own.sites
     assert all(np.isfinite(part.vertices).all() for part in face.parts)
 

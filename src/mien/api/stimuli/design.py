@@ -13,6 +13,7 @@ from typing import Any
 from mien.core.errors import InputError, unknown_name
 from mien.core.limits import check_size
 from mien.core.tables import read_rows
+from mien.face.library import check_face
 from mien.face.render.view import TRANSPARENT, View
 from mien.formats.video import check_film
 from mien.text.effort_spans import parse_effort
@@ -208,6 +209,7 @@ def _check(stimulus: Stimulus) -> None:
             raise InputError(message)
     if stimulus.effort not in ("", "off"):
         parse_effort(stimulus.effort)
+    check_face(stimulus.face)
     view = stimulus.view
     if not stimulus.still_ms:
         check_film(stimulus.file, view)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.face.cast.eyes import iris_picture, wet_line
 from mien.face.cast.hair import beard_part, hair_parts
 from mien.face.cast.noise import smoothstep
 from mien.face.cast.people import head_weights
@@ -22,8 +23,6 @@ from mien.face.surface import vertex_normals
 
 __all__ = ["make_face"]
 
-_IRIS = 0.395  # radians from the optical axis to the rim of the iris, as the default eye is painted
-_POWER = 0.6  # bends the eye's texture so that the iris gets more of it
 _POSES: tuple[dict[str, float], ...] = (
     {},
     {"jawOpen": 0.3, "mouthSmileLeft": 1.0, "mouthSmileRight": 1.0},
@@ -55,12 +54,13 @@ def make_face(person: Person) -> Face:
     for name in ("teeth_upper", "teeth_lower", "tongue"):
         parts[name] = replace(parts[name], vertices=parts[name].vertices - np.array([0, 0, back], np.float32))
     parts[SKIN] = replace(parts[SKIN], material=_skin_material(person, parts[SKIN].material))
-    parts["shirt"] = _dyed(parts["shirt"], person)
+    parts["shirt"] = _dyed(_fitted(space, parts["shirt"], parts[SKIN]), person)
     parts["brows"] = _brows(parts["brows"], person)
     parts["lashes"] = replace(parts["lashes"], material=replace(parts["lashes"].material, colour=(0.075, 0.06, 0.055)))
-    iris = _iris_picture(parts[face.eyes[0].part].material.texture, person)
+    iris = iris_picture(parts[face.eyes[0].part].material.texture, person)
     for eye in face.eyes:
         parts[eye.part] = replace(parts[eye.part], material=replace(parts[eye.part].material, texture=iris))
+    parts["tears"] = wet_line(space, face, person)
     parts["caruncles"] = _toned(parts["caruncles"], person)
     face = replace(face, parts=tuple(parts.values()))
     added = hair_parts(space, face, person)
@@ -131,6 +131,17 @@ def _skin_material(person: Person, material: Material) -> Material:
     )
 
 
+def _fitted(space: HeadSpace, shirt: Part, skin: Part) -> Part:
+    """The shirt as far off the neck as the default's is off the default neck, where it is near it."""
+    own = space.face.part("shirt").vertices.astype(np.float64)
+    away, near = cKDTree(space.rest).query(own, k=4)
+    share = 1 / np.maximum(away, 0.5) ** 2
+    share /= share.sum(axis=1, keepdims=True)
+    placed = np.einsum("nk,nkc->nc", share, skin.vertices[near] + own[:, None] - space.rest[near])
+    held = smoothstep(24.0, 8.0, away[:, 0])[:, None]
+    return replace(shirt, vertices=(shirt.vertices + held * (placed - shirt.vertices)).astype(np.float32))
+
+
 def _dyed(shirt: Part, person: Person) -> Part:
     shade = shirt.colours / np.maximum(shirt.colours.mean(axis=0), 1e-6)
     colours = np.clip(shade * np.asarray(person.shirt, np.float32), 0, 1).astype(np.float32)
@@ -140,32 +151,6 @@ def _dyed(shirt: Part, person: Person) -> Part:
 def _toned(part: Part, person: Person) -> Part:
     colours = part.colours * np.float32(1 - 0.35 * person.tone)
     return replace(part, colours=colours.astype(np.float32))
-
-
-def _iris_picture(picture: NDArray[np.uint8] | None, person: Person) -> NDArray[np.uint8]:
-    """The default eye's picture with another iris, and a white that years make duller."""
-    assert picture is not None
-    size = len(picture)
-    grid = (np.arange(size) + 0.5) / size - 0.5
-    x, y = np.meshgrid(grid, grid)
-    theta = np.pi * np.minimum(np.hypot(x, y) / 0.5, 1) ** (1 / _POWER)
-    radius = theta / _IRIS
-    colour = picture / 255.0
-    light = colour.mean(axis=2)
-    ring = np.minimum((radius * 60).astype(int), 80)
-    inside = radius < 1.35
-    mean = np.bincount(ring[inside], light[inside], 81) / np.maximum(np.bincount(ring[inside], minlength=81), 1)
-    fibre = 1 + 1.25 * (light / np.maximum(mean[ring], 1e-3) - 1)
-    inner, outer = (np.array(c) for c in person.eyes)
-    share = smoothstep(0.40, 0.85, radius)[..., None]
-    iris = (inner + (outer - inner) * share) * np.clip(fibre, 0.55, 1.6)[..., None]
-    iris = iris * (1 - 0.66 * smoothstep(0.80, 1.0, radius))[..., None]
-    there = (smoothstep(1.07, 0.96, radius) * smoothstep(0.34, 0.39, radius))[..., None]
-    white = smoothstep(1.0, 1.1, radius)[..., None]
-    dull = np.array([0.02, 0.045, 0.10]) * (0.35 + person.ageing) + np.array([0.03, 0.045, 0.06]) * person.tone
-    colour = colour * (1 - white * dull)
-    colour = colour + (iris - colour) * there
-    return np.asarray(np.rint(np.clip(colour, 0, 1) * 255), dtype=np.uint8)
 
 
 def _brows(brows: Part, person: Person) -> Part:
