@@ -22,5 +22,5 @@ def test_the_wet_line_lies_on_the_lower_lid_and_goes_with_it() -> None:
     line = wet_line(space, space.face, person_named("ingrid"))
     margin = space.rest[np.r_[space.lid_loop_left, space.lid_loop_right]]
     away = np.linalg.norm(line.vertices[:, None] - margin[None], axis=2).min(axis=1)
-    assert away.max() < 2.0
+    assert away.max() < 2.5  # at the inner corner it lies in front of the caruncle
     assert {"eyeSquintLeft", "eyeSquintRight"} <= set(line.targets)
