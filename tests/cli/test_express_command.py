@@ -72,6 +72,15 @@ def test_without_an_emotion_the_motion_is_written_in_another_format(line: Path) 
     np.testing.assert_array_equal(now.channels.values, was.channels.values)
 
 
+def test_a_native_animation_is_brought_to_another_frame_rate(line: Path) -> None:
+    assert main(["express", str(line), "--fps", "100", "-o", str(line.with_name("fast.json"))]) == 0
+    was, now = read_native(line), read_native(line.with_name("fast.json"))
+    assert now.rate == FrameRate.of(100)
+    every = round(100 / was.rate.fps)
+    assert len(now.channels) == every * len(was.channels)
+    np.testing.assert_allclose(now.channels.values[::every], was.channels.values, atol=1e-9)
+
+
 def test_imported_motion_keeps_its_frames() -> None:
     track = ChannelTrack(("jawOpen",), np.linspace(0, 1, 7)[:, None], FrameRate.of(25))
     animation = imported(track, "elsewhere")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
 
 from mien.animation.edits.applied import AppliedEdits
 from mien.core.audio import Audio
@@ -19,7 +21,7 @@ from mien.text.score import Score
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = ["Animation", "Provenance", "imported"]
+__all__ = ["Animation", "Provenance", "at_rate", "imported"]
 
 
 @dataclass(frozen=True)
@@ -110,3 +112,32 @@ def imported(channels: ChannelTrack, name: str, notes: tuple[Note, ...] = (), ti
     track = channels.select(ALL)
     origin = Provenance(f"imported from {name}", 0, version("mien"))
     return Animation(track, None, silence, Score(), origin, notes, timecode=timecode)
+
+
+def at_rate(animation: Animation, rate: FrameRate) -> Animation:
+    """An animation at another frame rate: straight lines between its frames.
+
+    A layer of edits becomes part of the motion, and a note says so.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> slow = imported(ChannelTrack(("jawOpen",), np.linspace(0, 1, 26)[:, None], FrameRate.of(25)), "a test")
+    >>> at_rate(slow, FrameRate.of(50)).channels.channel("jawOpen")[:4].round(2).tolist()
+    [0.0, 0.02, 0.04, 0.06]
+    """
+    if rate == animation.rate:
+        return animation
+    track, markers = animation.channels, animation.markers
+    frames = rate.frames_covering(len(track) / track.rate.fps)
+    now, then = rate.times(frames), track.rate.times(len(track))
+    values = np.stack([np.interp(now, then, column) for column in track.values.T], axis=1)
+    if markers is not None:
+        flat = markers.positions.reshape(len(markers), -1)
+        moved = np.stack([np.interp(now, then, column) for column in flat.T], axis=1)
+        markers = MarkerTrack(markers.names, moved.reshape(frames, *markers.positions.shape[1:]), rate)
+    notes = animation.notes
+    if animation.edits is not None:
+        notes += (Note("note", "the edits by hand are part of the motion now: it was brought to another frame rate"),)
+    channels = ChannelTrack(track.names, values, rate)
+    return replace(animation, channels=channels, markers=markers, notes=notes, edits=None)

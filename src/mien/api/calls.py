@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from mien.animation.animation import Animation, imported
+from mien.animation.animation import Animation, at_rate, imported
 from mien.animation.edits import EditLayer
 from mien.api import notebook  # noqa: F401 - animations show themselves from here on
 from mien.core.audio import Audio
@@ -228,7 +228,8 @@ def express(
     emotion : str, EmotionSpan or sequence of these
         As for `say`.
     fps : float, str, FrameRate or None
-        Of a ``.csv``; None reads it from the timecode.
+        Frame rate to which a native animation is brought; for a ``.csv`` the rate that it has, which None reads from
+        its timecode.
     seed, performer
         As for `say`.
 
@@ -251,20 +252,21 @@ def express(
 def read_motion(motion: str | Path | Animation, fps: Rate | None = None) -> Animation:
     """An animation as it is, or read from a native ``.json`` or a Live Link Face ``.csv``.
 
+    ``fps`` brings a native animation to another frame rate; for a ``.csv`` it says what its rate is.
+
     Raises
     ------
     InputError
-        If the motion cannot be read; the rate (``fps``) is for a ``.csv`` alone.
+        If the motion cannot be read.
     """
     if isinstance(motion, Animation):
         return motion
     suffix = Path(motion).suffix.lower()
     if suffix == ".json":
-        if fps is not None:
-            raise InputError("fps is for a .csv: a native animation knows its own")
         from mien.formats.native import read_native
 
-        return read_native(motion)
+        read = read_native(motion)
+        return read if fps is None else at_rate(read, FrameRate.of(fps))
     if suffix == ".csv":
         from mien.formats.livelink import first_timecode, read_livelink
 
