@@ -1,5 +1,6 @@
 // The page: `npm run build` writes it into the Python package. `npm run dev` serves it beside a running `mien studio`,
 // whose address stands in MIEN_STUDIO.
+import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { defineConfig } from 'vitest/config';
 
@@ -16,8 +17,28 @@ const withoutOtherDecoders = {
   },
 };
 
+/**
+ * The worker that unpacks KTX2, as a file of its own: its library makes functions out of text, which only an answer with a
+ * policy of its own may allow (src/mien/serve/studio/routes.py), not a worker that the page makes out of text.
+ */
+const basisWorker = {
+  name: 'basis-worker',
+  async generateBundle(this: { emitFile: (file: { type: 'asset'; fileName: string; source: string }) => void }): Promise<void> {
+    const { KTX2Loader } = await import('three/examples/jsm/loaders/KTX2Loader.js') as unknown as { KTX2Loader: Record<string, unknown> & { BasisWorker: () => void } };
+    const { REVISION } = await import('three');
+    const names = ['EngineFormat', 'EngineType', 'TranscoderFormat', 'BasisFormat'];
+    const body = KTX2Loader.BasisWorker.toString();
+    const source = [
+      ...names.map((name) => `let _${name} = ${JSON.stringify(KTX2Loader[name])};`),
+      readFileSync(at('./node_modules/three/examples/jsm/libs/basis/basis_transcoder.js'), 'utf8'),
+      body.slice(body.indexOf('{') + 1, body.lastIndexOf('}')),
+    ].join('\n');
+    this.emitFile({ type: 'asset', fileName: `assets/basis_worker-${REVISION}.js`, source });
+  },
+};
+
 export default defineConfig({
-  plugins: [withoutOtherDecoders],
+  plugins: [withoutOtherDecoders, basisWorker],
   base: './',
   publicDir: false,
   resolve: {

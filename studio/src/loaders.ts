@@ -1,9 +1,21 @@
 // Reading any GLB: meshopt, Draco and KTX2 are unpacked on the page; their decoders are fetched only where a file needs them.
-import type { WebGLRenderer } from 'three';
+import { REVISION, type WebGLRenderer } from 'three';
 import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
 import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
+/** KTX2 by the worker that lies beside the page (vite.config.ts). */
+class Ktx2 extends KTX2Loader {
+  override init(): Promise<void> {
+    const me = this as unknown as { transcoderPending: Promise<void>; workerSourceURL: string; worker: boolean };
+    const pending = (KTX2Loader.prototype as unknown as { init: () => Promise<void> }).init.call(this);
+    if (me.worker) return pending;
+    me.worker = true;
+    me.transcoderPending = pending.then(() => { me.workerSourceURL = `assets/basis_worker-${REVISION}.js`; });
+    return me.transcoderPending;
+  }
+}
+
 let loader: GLTFLoader | undefined;
 
 /** The scene of a GLB; what of it cannot be read is one sentence. */
@@ -18,7 +30,7 @@ export async function readFace(glb: ArrayBuffer, renderer: WebGLRenderer): Promi
 
 function made(renderer: WebGLRenderer): GLTFLoader {
   const draco = new DRACOLoader().setDecoderPath(DRACO_GLTF_CONFIG);
-  const ktx2 = new KTX2Loader().detectSupport(renderer);
+  const ktx2 = new Ktx2().detectSupport(renderer);
   return new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).setDRACOLoader(draco).setKTX2Loader(ktx2);
 }
 

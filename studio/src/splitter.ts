@@ -4,7 +4,7 @@ import { make } from './dom';
 const LEAST = 140; // px
 
 export function split(main: HTMLElement, lower: HTMLElement, changed: () => void): { element: HTMLElement; height: () => number; set: (height: number) => void } {
-  const element = make('div', { class: 'splitter', role: 'separator', tabindex: 0, 'aria-orientation': 'horizontal', 'aria-label': 'Height of the timeline', 'aria-valuemin': LEAST, title: 'Drag to make the timeline taller' });
+  const element = make('div', { class: 'splitter', role: 'separator', tabindex: 0, 'aria-orientation': 'horizontal', 'aria-label': 'Height of the timeline', 'aria-valuemin': LEAST, 'aria-valuenow': LEAST, title: 'Drag to make the timeline taller' });
   const set = (height: number): void => {
     const most = Math.max(main.clientHeight - 230, LEAST);
     const kept = Math.round(Math.min(Math.max(height, LEAST), most));
@@ -28,5 +28,6 @@ export function split(main: HTMLElement, lower: HTMLElement, changed: () => void
     event.stopPropagation();
     set(lower.clientHeight + step);
   });
+  new ResizeObserver(() => element.setAttribute('aria-valuenow', String(lower.clientHeight))).observe(lower);
   return { element, height: () => lower.clientHeight, set };
 }

@@ -42,7 +42,7 @@ def application(settings: StudioSettings, workshop: Workshop) -> web.Application
         with watch.answering(request):
             answer = await _answered(request, handler)
         if not answer.prepared:
-            answer.headers.update(HEADERS)
+            answer.headers.update({name: value for name, value in HEADERS.items() if name not in answer.headers})
         return answer
 
     app = web.Application(middlewares=[guard], client_max_size=settings.limits.upload_bytes)

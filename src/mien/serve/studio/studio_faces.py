@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import json
 import shutil
 import tempfile
+from collections import defaultdict
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from importlib.metadata import version
@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from mien.core.assets import asset
 from mien.core.errors import InputError, OutputError
 from mien.core.files import replace_when_complete
 from mien.face.library import known_faces, load_face
@@ -27,7 +28,6 @@ from mien.serve.studio.settings import Limits
 __all__ = ["DEFAULT_FACE", "FaceShelf", "ForeignFace"]
 
 DEFAULT_FACE = "default"
-_PICTURE = 144  # pixels
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,7 @@ class FaceShelf:
             "face", limits.faces, limits.kept_bytes, lambda face: _removed(face.path)
         )
         self._own: dict[str, bytes] = {}
-        self._pictures: dict[str, bytes] = {}
-        self._lock = Lock()
+        self._lock, self._locks = Lock(), defaultdict[str, Lock](Lock)  # one face does not wait for another
         for about in sorted(folder.glob("*/about.json"), key=lambda path: path.stat().st_mtime):
             with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
                 told = json.loads(about.read_text("utf-8"))
@@ -71,6 +70,8 @@ class FaceShelf:
         """A face of mien's at rest, every channel that it has as a morph target of that name; made once and kept."""
         kept = self._folder.parent / "shipped" / f"{name}-{version('mien')}-{_digest(name)}.glb"
         with self._lock:
+            lock = self._locks[name]
+        with lock:
             if name in self._own:
                 return self._own[name]
             try:
@@ -86,21 +87,10 @@ class FaceShelf:
 
     def picture(self, name: str) -> bytes:
         """A small picture of a face of mien's, JPEG; raises `mien.serve.studio.lru_store.Missing`."""
-        from PIL import Image
-
-        from mien.face.posing import Poser
-        from mien.serve.studio.views import Shown
-
-        if name not in known_faces():
+        found = asset(f"faces/pictures/{name}.jpg") if name in known_faces() else None
+        if found is None or not found.is_file():
             raise Missing("there is no picture of this face")
-        with self._lock:
-            if name not in self._pictures:
-                face = load_face(name)
-                picture = Shown().view().of_size(_PICTURE, _PICTURE).renderer(face).render(Poser(face, ()).pose(()))
-                out = io.BytesIO()
-                Image.fromarray(np.asarray(picture)[..., :3]).save(out, "JPEG", quality=85)
-                self._pictures[name] = out.getvalue()
-            return self._pictures[name]
+        return found.read_bytes()
 
     def listed(self) -> list[dict[str, Any]]:
         """All of them by id, with their names."""
