@@ -104,7 +104,7 @@ def _pages(port: int) -> list[dict[str, Any]]:
 @contextlib.contextmanager
 def studio() -> Iterator[str]:
     """The address of a studio that runs while the context lasts."""
-    command = [sys.executable, "-m", "mien", "studio", "--no-browser", "--port", "0"]
+    command = [sys.executable, "-m", "mien", "studio", "--no-browser", "--port", "0", "--folder", tempfile.mkdtemp()]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         try:
             assert running.stdout is not None

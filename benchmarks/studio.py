@@ -17,6 +17,7 @@ import platform
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -128,7 +129,7 @@ def main() -> None:
     parser.add_argument("--print-only", action="store_true")
     options = parser.parse_args()
     clock = time.perf_counter()
-    command = [sys.executable, "-m", "mien", "studio", "--no-browser", "--port", "0"]
+    command = [sys.executable, "-m", "mien", "studio", "--no-browser", "--port", "0", "--folder", tempfile.mkdtemp()]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
         found = re.search(r"http://\S+", program.stdout.readline())

@@ -1,4 +1,4 @@
-"""Small pictures of mien's faces, for lists: ``assets/faces/pictures/NAME.jpg``. To be run when the cast has changed."""
+"""Small pictures of mien's faces, for lists: ``assets/faces/pictures/NAME.jpg``. Run it when the cast has changed."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ def started(*arguments: str) -> tuple[subprocess.Popen[bytes], int]:
 async def soak(minutes: float, seed: int) -> int:
     """Run; returns the exit code."""
     (studio, studio_port), (live, live_port) = (
-        started("studio", "--port", "0", "--no-browser"),
+        started("studio", "--port", "0", "--no-browser", "--folder", tempfile.mkdtemp()),
         started("live", "-", "--port", "0"),
     )
     clients, until = Soak(studio_port, live_port, seed), time.monotonic() + minutes * 60

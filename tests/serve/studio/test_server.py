@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import zipfile
 from collections.abc import Iterator
@@ -295,3 +296,28 @@ def test_an_emotion_that_the_performer_lacks_is_told_at_its_field(client: Client
     told = client.finished(client.ask("POST", "/api/takes", {"text": LINE, "emotion": "hapy"}))
     assert (told["state"], told["field"]) == ("failed", "emotion")
     assert "did you mean 'happy'?" in told["error"]
+
+
+def test_a_face_comes_compressed_and_only_once(client: Client) -> None:
+    whole = client.ask("GET", "/api/faces/default.glb")
+    packed = client.ask("GET", "/api/faces/default.glb", Accept_Encoding="gzip")
+    assert packed.headers["content-encoding"] == "gzip"
+    assert gzip.decompress(packed.body) == whole.body
+    assert len(packed.body) < 4e6
+    again = client.ask("GET", "/api/faces/default.glb", If_None_Match=packed.headers["etag"])
+    assert (again.status, again.body) == (304, b"")
+
+
+def test_the_cast_has_pictures(client: Client) -> None:
+    faces = client.ask("GET", "/api/faces").json["faces"]
+    assert faces[0] == {"face": "default", "name": "default", "own": False}
+    for face in faces:
+        assert client.ask("GET", f"/api/faces/{face['face']}.jpg").body[:2] == b"\xff\xd8", face
+    assert client.ask("GET", "/api/faces/nobody.jpg").status == 404
+
+
+def test_only_the_worker_of_textures_may_make_functions(client: Client) -> None:
+    page = client.ask("GET", "/")
+    assert "'unsafe-eval'" not in page.headers["content-security-policy"]
+    worker = client.ask("GET", "/assets/basis_worker-187.js")
+    assert worker.headers["content-security-policy"].startswith("default-src 'none'")
