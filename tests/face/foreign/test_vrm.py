@@ -84,3 +84,15 @@ def test_weights_stay_in_bounds() -> None:
     got = face.weights(face.meshes[0], ChannelTrack(names, random.uniform(0, 1, (50, 6)), FrameRate.of(30)))
     assert got.min() >= 0.0
     assert got.max() <= 1.0
+
+
+def test_expressions_of_paint_are_named():
+    from pathlib import Path
+
+    from mien.face.foreign.gltf_document import GltfDocument
+    from mien.face.foreign.vrm import vrm_painted
+
+    one = {"expressions": {"preset": {"aa": {"textureTransformBinds": [{}]}, "blink": {"morphTargetBinds": []}}}}
+    zero = {"blendShapeMaster": {"blendShapeGroups": [{"name": "O", "materialValues": [{}]}, {"name": "A"}]}}
+    content = {"extensions": {"VRMC_vrm": one, "VRM": zero}}
+    assert vrm_painted(GltfDocument(Path("a.vrm"), content)) == ("aa", "O")

@@ -16,7 +16,7 @@ from mien.face.foreign.recognition import EMPTY, DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS, lowered_arms
 from mien.face.foreign.target_geometry import Likeness, likenesses
-from mien.face.foreign.vrm import is_vrm
+from mien.face.foreign.vrm import is_vrm, vrm_painted
 
 __all__ = [
     "FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face", "names_table",
@@ -113,6 +113,8 @@ class FaceReport:
         Targets without a known name that are left still, and what they move like.
     lying : dict of str to str
         Targets that move like something other than their names say.
+    painted : tuple of str
+        VRM expressions that move textures or colours, which is not followed.
     """
 
     path: str
@@ -132,6 +134,7 @@ class FaceReport:
     reach: Reach | None
     proposals: dict[str, str]
     lying: dict[str, str]
+    painted: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The same in plain lists and dicts, ready for JSON."""
@@ -155,7 +158,7 @@ class FaceReport:
             f"{self.path}: {self.kind}" + (f", written by {self.generator}" if self.generator else ""),
         ]
         if not self.meshes:
-            told.append("no mesh has morph targets: nothing could move")
+            told.append("no mesh has morph targets" + ("" if self.moves else ": nothing could move"))
         elif all(target.still == EMPTY for mesh in self.meshes for target in mesh.targets):
             told.append("all its morph targets are empty: nothing could move")
         elif not self.moves:
@@ -188,6 +191,8 @@ class FaceReport:
         if any("viseme" in title or "vowel" in title or "mouths" in title for title in self.conventions):
             told.append("its visemes stand in for much of the speech shapes that it lacks:")
         told += [f"no {', '.join(lost.channels)} ({lost.weight}): {lost.words}" for lost in self.missing]
+        if self.painted:
+            told.append(f"expressions that move textures or colours, not followed: {', '.join(self.painted)}")
         if self.animations:
             told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes first")
         told.append(f"drawing (.mp4, .png): {self.not_drawn or 'yes'}")
@@ -253,6 +258,7 @@ def face_report(face: ForeignFace) -> FaceReport:
         reach=far,
         proposals={_name(face, key): _like(likeness) for key, likeness in face.proposals.items()},
         lying=_lying(face, likely),
+        painted=vrm_painted(document),
     )
 
 

@@ -13,7 +13,15 @@ from typing import Any
 from mien.core.errors import InputError
 from mien.face.foreign.gltf_document import GltfDocument
 
-__all__ = ["VrmExpression", "is_vrm", "vrm_bones", "vrm_expressions", "vrm_eye_degrees", "vrm_gaze_by_shapes"]
+__all__ = [
+    "VrmExpression",
+    "is_vrm",
+    "vrm_bones",
+    "vrm_expressions",
+    "vrm_eye_degrees",
+    "vrm_gaze_by_shapes",
+    "vrm_painted",
+]
 
 _PARTS = {
     "head": "head", "leftEye": "eyeLeft", "rightEye": "eyeRight", "jaw": "jaw",
@@ -144,3 +152,18 @@ def vrm_eye_degrees(document: GltfDocument) -> dict[str, float]:
         if isinstance(degrees, (int, float)) and 1.0 <= degrees <= 90.0:
             found[way] = float(degrees)
     return found
+
+
+def vrm_painted(document: GltfDocument) -> tuple[str, ...]:
+    """Names of expressions that move textures or colours of materials, which is not followed."""
+    one = _extension(document, "VRMC_vrm").get("expressions") or {}
+    found = []
+    for group in ("preset", "custom"):
+        for name, facts in (one.get(group) or {}).items() if isinstance(one, dict) else ():
+            if isinstance(facts, dict) and (facts.get("textureTransformBinds") or facts.get("materialColorBinds")):
+                found.append(str(name))
+    zero = (_extension(document, "VRM").get("blendShapeMaster") or {}).get("blendShapeGroups") or []
+    found += [
+        str(f.get("name") or f.get("presetName")) for f in zero if isinstance(f, dict) and f.get("materialValues")
+    ]
+    return tuple(found)
