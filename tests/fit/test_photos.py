@@ -163,3 +163,17 @@ def test_open_eyes_are_not_painted_on_lids():
     texture = done.face.part("skin").material.texture.astype(int)
     assert (texture[:, :, 1] - texture[:, :, 0]).max() < 40
     assert done.painted.seen.mean() > 0.1
+
+
+def test_a_smile_is_taken_out():
+    from mien.face.contact import dense_targets
+
+    moves = dense_targets(head_space())
+    rest = head_space().shape([0.0])
+    smiling = rest + 0.7 * (moves["mouthSmileLeft"] + moves["mouthSmileRight"])
+    fit = shape_from_photos(head_space(), [photo(smiling, 0.0), photo(smiling, 45.0)])
+    assert any("shows an expression (smile 0." in note.message for note in fit.notes)
+    mouth = head_regions()["mouth"]
+    assert error(fit.vertices, rest, mouth) < 0.5 * error(fit.posed, rest, mouth)
+    still = shape_from_photos(head_space(), [photo(rest, 0.0), photo(rest, 45.0)])
+    assert not any("expression" in note.message for note in still.notes)

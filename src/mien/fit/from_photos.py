@@ -74,7 +74,7 @@ def face_from_photos(
     pictures = [photo.picture for photo in photos]
     centred, cameras = _about_the_eyes(reshaped.face, fit)
     skin = centred.part(SKIN).vertices.astype(np.float64)
-    painted = paint_from_photos(space, skin, pictures, cameras, paint)
+    painted = paint_from_photos(space, skin + fit.posed - fit.vertices, pictures, cameras, paint)
     parts = [_repainted(space, part, painted, pictures, cameras, centred) for part in centred.parts]
     kept = tuple(part for part in parts if part.name != "brows" and (hair or part.name not in _HAIR_PARTS))
     face = replace(centred, parts=kept, licence="")

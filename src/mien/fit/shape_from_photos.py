@@ -10,7 +10,7 @@ Photographs say nothing about size: the head gets that of the mean head, or the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.distance import cdist
 
 from mien.core.errors import InputError, Note
+from mien.face.contact import dense_targets
 from mien.face.head_space import HeadSpace
 from mien.fit.photo_camera import PhotoCamera, find_camera
 from mien.fit.photo_marks import Photo, mirrored_marks
@@ -31,6 +32,14 @@ _FRONT_DEGREES, _SIDE_DEGREES = 30.0, 20.0
 _MIRROR_SHARE = 0.6
 _POOR_SHARE = 0.05  # of the face's size in the picture: a worse fit is no fit
 _ODD_SIGMAS, _REFUSED_SIGMAS = 5.0, 30.0
+
+
+_EXPRESSIONS = {
+    "smile": ("mouthSmileLeft", "mouthSmileRight"), "open mouth": ("jawOpen",),
+    "raised brows": ("browInnerUp", "browOuterUpLeft", "browOuterUpRight"),
+    "shut eyes": ("eyeBlinkLeft", "eyeBlinkRight"),
+}  # fmt: skip
+_USUAL, _SHOWN = 0.35, 0.25  # weight of one standard deviation; from where on an expression is taken to be one
 
 
 @dataclass(frozen=True)
@@ -66,6 +75,8 @@ class PhotoFit:
     residuals : tuple of float
         RMS distance of each photograph's points, pixels, after the fit.
     notes : tuple of Note
+    posed : ndarray, shape (n, 3)
+        The same with the expression that the photographs show, mm.
     """
 
     vertices: Floats
@@ -73,6 +84,7 @@ class PhotoFit:
     cameras: tuple[PhotoCamera, ...]
     residuals: tuple[float, ...]
     notes: tuple[Note, ...]
+    posed: Floats
 
 
 def shape_from_photos(
@@ -100,11 +112,16 @@ def shape_from_photos(
     settings = settings or PhotoFitSettings()
     mean = space.shape([0.0])
     cameras, notes = _first_cameras(mean, photos)
-    weights, cameras = _fitted(space, photos, cameras, settings)
+    plain, start = space, cameras
+    space, settings, shown = _with_expression(plain, photos, cameras, settings)
+    weights, cameras = _fitted(space, photos, start, settings)
     photos, more = _without_odd_points(space, photos, cameras, weights)
     notes += more
     if more:
         weights, cameras = _fitted(space, photos, cameras, settings)
+    count = len(weights) - len(shown)
+    expression = np.tensordot(weights[count:], space.components[count : len(weights)].astype(np.float64), axes=1)
+    notes += _told_expression(photos[0].name, dict(zip(shown, _USUAL * weights[count:], strict=True)))
     shape = space.shape(weights)
     shape = shape + _displacement(space, shape, photos, cameras, settings)
     residuals = tuple(
@@ -113,7 +130,38 @@ def shape_from_photos(
     )
     size = 1.0 if eye_distance is None else eye_distance / _eye_distance(space, shape)
     cameras = [replace(camera, shift=size * camera.shift) for camera in cameras]
-    return PhotoFit(size * shape, weights, tuple(cameras), residuals, tuple(notes))
+    neutral = size * (shape - expression)
+    return PhotoFit(neutral, weights[:count], tuple(cameras), residuals, tuple(notes), size * shape)
+
+
+# ------------------------------------------------------------------ expressions
+
+
+def _with_expression(
+    space: HeadSpace, photos: Sequence[Photo], cameras: Sequence[PhotoCamera], settings: PhotoFitSettings
+) -> tuple[HeadSpace, PhotoFitSettings, tuple[str, ...]]:
+    """The space of heads with those expressions as further components that the photographs show, and their names."""
+    wide, wider = _extended(space, settings, tuple(_EXPRESSIONS))
+    weights, _ = _fitted(wide, photos, cameras, wider)
+    values = _USUAL * weights[settings.components :]
+    shown = tuple(name for name, value in zip(_EXPRESSIONS, values, strict=True) if value > _SHOWN)
+    return (*_extended(space, settings, shown), shown) if shown else (space, settings, ())
+
+
+def _extended(
+    space: HeadSpace, settings: PhotoFitSettings, names: tuple[str, ...]
+) -> tuple[HeadSpace, PhotoFitSettings]:
+    moves = dense_targets(space)
+    more = [_USUAL * sum(moves[channel] for channel in _EXPRESSIONS[name]) for name in names]
+    components = np.concatenate([space.components[: settings.components], np.array(more, dtype=np.float32)])
+    return replace(space, components=components), replace(settings, components=len(components))
+
+
+def _told_expression(name: str, shown: Mapping[str, float]) -> list[Note]:
+    if not shown:
+        return []
+    told = ", ".join(f"{word} {max(value, 0.0):.1f}" for word, value in shown.items())
+    return [Note("warning", f"{name} shows an expression ({told}): taken out of the shape; one at rest serves better")]
 
 
 def _eye_distance(space: HeadSpace, shape: Floats) -> float:
