@@ -18,6 +18,8 @@ from mien.formats.native import read_native, write_native
 from tests.faces import tiny_animation
 from tests.programs import blender_python
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -18,6 +18,8 @@ from mien.formats import check_output, save
 from tests.faces import tiny_animation, tiny_face
 from tests.programs import blender_python
 
+pytestmark = pytest.mark.slow
+
 SAMPLED = """
 import bpy, json, os, sys
 bpy.ops.wm.read_factory_settings(use_empty=True)

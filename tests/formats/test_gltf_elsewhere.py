@@ -14,6 +14,8 @@ from mien.formats.livelink import arkit_weights
 from tests import node
 from tests.faces import tiny_animation
 
+pytestmark = pytest.mark.slow
+
 STYLES = {"whole": {}, "compact": {"compact": True}, "meshopt": {"meshopt": True}}
 
 
