@@ -7,6 +7,7 @@ import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from pathlib import Path
 
 __all__ = ["Finding", "Report", "doctor"]
 
@@ -175,13 +176,21 @@ def _microphone() -> Finding:
     return Finding("microphone", "ok", f"sounddevice {sounddevice.__version__}: mien live")
 
 
+def _bundle(package: str) -> Path:
+    """The folder of the libraries that a wheel brings; the package's own where it was built on this machine."""
+    beside = Path(package).parent.with_name("av.libs")
+    return beside if beside.is_dir() else Path(package).parent
+
+
 def _pictures() -> list[Finding]:
     import av
 
     found = []
     for codec, use in (("libx264", "H.264 picture"), ("aac", "AAC sound")):
         present = codec in av.codecs_available
-        detail = f"PyAV {av.__version__}, {use}" if present else f"no {use} in PyAV: no .mp4; pip install --upgrade av"
+        licence = f"; GPL-2.0-or-later, in {_bundle(av.__file__)}" if codec == "libx264" else ""
+        lacking = f"no {use} in PyAV: no .mp4; pip install --upgrade av"
+        detail = f"PyAV {av.__version__}, {use}{licence}" if present else lacking
         found.append(Finding(f"codec {codec}", "ok" if present else "missing", detail))
     found.append(Finding("renderer", "ok", "own rasteriser on the processor: needs no GPU and no system package"))
     found += [_usd(), _fbx()]
