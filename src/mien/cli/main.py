@@ -355,14 +355,13 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
 
 def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> ShownFace:
     """The face to show; an output or a face that cannot be had is refused before any work is done."""
-    from mien.face.foreign.gltf_document import is_gltf
     from mien.face.library import is_named_face, load_face
     from mien.formats.registry import check_output
 
     view = view_of(options)
     outputs = [check_output(path, view) for path in (options.output, *options.also)]
     glb_style(options)
-    foreign = is_gltf(options.face)
+    foreign = not is_named_face(options.face) and _is_foreign(options.face)
     _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
     if foreign:
         return checked_foreign_face(options.face, outputs, options.deformer, options.names, options.arms)
@@ -380,6 +379,12 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     if not any(part.targets for part in face.parts):
         raise InputError(f"{options.face} has no morph targets that could move it: give --deformer X.tree")
     return face
+
+
+def _is_foreign(face: str) -> bool:
+    from mien.face.foreign.gltf_document import is_gltf
+
+    return is_gltf(face)
 
 
 def _refuse_same_file(outputs: Sequence[Path], inputs: Sequence[str | None]) -> None:
@@ -417,11 +422,13 @@ def _finish(animation: Animation, face: ShownFace, options: argparse.Namespace) 
 
 def _written(options: argparse.Namespace, face: ShownFace) -> tuple[str, ...]:
     """The outputs, less those for which a face would have to be drawn that cannot be (that was told at the start)."""
+    outputs = (options.output, *options.also)
+    if isinstance(face, str):
+        return outputs
     from mien.face.foreign.drawn import not_drawn
     from mien.face.foreign.recognition import ForeignFace
     from mien.formats.registry import draws_pictures
 
-    outputs = (options.output, *options.also)
     if isinstance(face, ForeignFace) and not_drawn(face):
         return tuple(path for path in outputs if not draws_pictures(path))
     return outputs

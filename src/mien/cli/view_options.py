@@ -37,7 +37,9 @@ def given_view_options(options: argparse.Namespace) -> dict[str, str]:
 
 def view_of(options: argparse.Namespace) -> View | None:
     """The view that was asked for, checked; None where nothing was."""
+    given = given_view_options(options)
+    if not given:
+        return None
     from mien.face.render.view import View, with_options
 
-    given = given_view_options(options)
-    return with_options(View(), given) if given else None
+    return with_options(View(), given)
