@@ -6,7 +6,7 @@ const OFFERED: readonly (readonly [string, string])[] = [
   ['<pause seconds="0.5"/>', 'half a second of silence'], ['<HeadNod/>', 'a nod at the next word'], ['<HeadShake/>', 'the head shaken'],
   ['<Smile>', 'a smile over words'], ['<BrowRaise/>', 'brows up'], ['<Blink/>', 'a blink'], ['<WinkLeft/>', 'a wink'],
   ['<gaze target="left"/>', 'eyes to the left from here on'], ['<gaze target="right"/>', 'eyes to the right'], ['<gaze target="camera"/>', 'eyes to the camera'],
-  ['<effort level="1.5">', 'words articulated harder (0 to 2)'], ['<emphasis level="strong">', 'slower and louder'],
+  ['<effort level="1.5">…</effort>', 'words articulated harder (0 to 2)'], ['<emphasis level="strong">…</emphasis>', 'slower and louder'],
 ];
 const TAG = /<\/?[A-Za-z][^<>\n]*>?|\[[^\][\n]{1,40}\]?/g;
 
@@ -87,8 +87,12 @@ export class LineText {
 
   private insert(tag: string, typed: number): void {
     const { selectionStart: caret } = this.input;
-    this.input.setRangeText(`${tag} `, caret - typed, caret, 'end');
+    const [opening, closing = ''] = tag.split('…');
+    const written = closing === '' ? `${tag} ` : `${opening}${closing}`;
+    this.input.setRangeText(written, caret - typed, caret, 'end');
     this.input.focus();
+    const at = caret - typed + (closing === '' ? written.length : (opening as string).length);
+    this.input.setSelectionRange(at, at); // between the two, to write what is in them
     this.input.dispatchEvent(new Event('input', { bubbles: true }));
   }
 }
