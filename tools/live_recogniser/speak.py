@@ -3,8 +3,8 @@
     npm pack kokoro-js@1.2.1
     python tools/live_recogniser/speak.py kokoro-js-1.2.1.tgz SPEECH --number 600     about ten minutes on two cores
 
-Sentences of the recording script and rows of random dictionary words, spoken by the 28 English voices of Kokoro-82M
-(Apache-2.0), every second time by a mixture of two of them, and by Festival's voices where they are installed
+Sentences of the recording script and rows of random dictionary words, spoken by the 54 voices of Kokoro-82M
+(Apache-2.0), of which 28 are English and the others speak with an accent, every second time by a mixture of two of them, and by Festival's voices where they are installed
 (BSD-like).
 What is there already is kept, so the work can be stopped and taken up again. Times come from the forced alignment, or
 from Festival itself. One ``.npz`` per line: samples (int16, 16 kHz), labels, starts, ends, speaker.
@@ -41,12 +41,13 @@ def main() -> None:
     parser.add_argument("package", help="kokoro-js-1.2.1.tgz, which carries the voices' style vectors")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--number", type=int, default=600, help="lines (default 600)")
+    parser.add_argument("--first", type=int, default=0, help="number of the first of them (default 0)")
     options = parser.parse_args()
-    styles = english_styles(options.package)
+    styles = all_styles(options.package)
     kokoro._styles = lambda: styles  # all voices in place of the four that ship
     options.folder.mkdir(parents=True, exist_ok=True)
     write = Lines()
-    for number in range(options.number):
+    for number in range(options.first, options.first + options.number):
         random = np.random.default_rng([7, number])
         path = options.folder / f"{number:04d}.npz"
         if path.exists():
@@ -68,13 +69,13 @@ def main() -> None:
         )
 
 
-def english_styles(package: str) -> dict[str, NDArray[np.float16]]:
-    """Style vectors by voice; English voices begin with a or b, then f or m."""
+def all_styles(package: str) -> dict[str, NDArray[np.float16]]:
+    """Style vectors by voice."""
     styles = {}
     with tarfile.open(package) as archive:
         for member in archive.getmembers():
             name = Path(member.name).stem
-            if "/voices/" in member.name and name[:3] in ("af_", "am_", "bf_", "bm_"):
+            if "/voices/" in member.name and member.name.endswith(".bin"):
                 content = archive.extractfile(member)
                 assert content is not None
                 styles[name] = np.frombuffer(content.read(), "<f4").reshape(-1, 256).astype(np.float16)
