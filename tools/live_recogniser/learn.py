@@ -1,18 +1,13 @@
-"""Learns the live recogniser: writes src/mien/assets/live/recogniser.npz, the same bits for the same input and seed.
+"""Learns the live recogniser: from data to src/mien/assets/live/recogniser.npz in one command.
 
-    python tools/live_recogniser/learn.py SPEECH DATA GRID_CORPUS        about half an hour on one core
+    npm pack kokoro-js@1.2.1
+    python tools/live_recogniser/learn.py kokoro-js-1.2.1.tgz DATA WORK          about two hours on one core
 
-SPEECH is what `speak.py` made. DATA holds emodb (two of its ten speakers are held out to watch the learning by) and
-GRID_CORPUS is grid-s1 imported by ``mien corpus import``. timit-sample is never read here: it is what the result is
-measured on (``benchmarks/live.py``). Every recording comes in several variations (`variations.py`), new ones in each
-round, so that the network hears more voices, microphones and rooms than there are.
-
-The network that ships went through two stages: the above over 584 lines of SPEECH, and then over 706 of them
-
-    python tools/live_recogniser/learn.py SPEECH DATA GRID_CORPUS --from FIRST.npz --rate 8e-4 --rounds 3
-
-the first stage with the features as they were before offsets were kept out and quiet voices raised (the history of
-``streaming_features.py`` has them), so that only the second one comes out the same today.
+DATA holds grid-s1 and emodb (two of its ten speakers are held out to watch the learning by). Speech of synthetic voices
+is made first (`speak.py`) and a third of GRID is aligned; both are kept in WORK, so that the work can be stopped and
+taken up again. timit-sample is never read here: it is what the result is measured on (``benchmarks/live.py``,
+``noise.py``). Every recording comes in several variations (`variations.py`), new ones in each round, so that the
+network hears more voices, microphones, rooms and noises than there are. The same bits for the same input and seed.
 """
 
 from __future__ import annotations
@@ -25,21 +20,24 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import speak
 from numpy.typing import NDArray
 from variations import RATE, Line, varied
 
 from mien.core.utterance import PAUSE
-from mien.corpus.recordings import Corpus
+from mien.formats.sound_files import read_audio
 from mien.motion.mouth.descent import Adam
+from mien.speech.align import align
 from mien.speech.frame_classifier import FrameClassifier
-from mien.speech.streaming_features import CENTRE, COLUMNS, HOP, StreamingFeatures
+from mien.speech.streaming_features import BANDS, CENTRE, COLUMNS, HOP, StreamingFeatures
 from mien.text.phones import phone_table
 
 ROOT = Path(__file__).parents[2]
 LABELS = (PAUSE, *sorted(phone_table()))
-OFFSETS = np.array([-24, -19, -15, -12, -10, -8, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15])
+OFFSETS = np.array([-24, -17, -12, -8, -6, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 7, 9, 12, 15])
 HELD_OUT = ("08", "15")  # speakers of EmoDB: a woman, a man
 BATCH, DROPOUT, SMOOTHING = 512, 0.15, 0.05
+LINES = 600
 WHOLE_FUTURE = 0.4  # share of rows that are learned with all of their future
 
 Single = NDArray[np.float32]
@@ -48,17 +46,20 @@ Single = NDArray[np.float32]
 def main() -> None:
     """Learn, and write the network after each pass."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("speech", type=Path)
-    parser.add_argument("data", type=Path)
-    parser.add_argument("grid", type=Path)
-    parser.add_argument("--hidden", type=int, nargs="+", default=[512, 256, 256])
+    parser.add_argument("package", help="kokoro-js-1.2.1.tgz, which carries the voices' style vectors")
+    parser.add_argument("data", type=Path, help="folder of grid-s1 and emodb")
+    parser.add_argument("work", type=Path, help="folder for what is made on the way")
+    parser.add_argument("--lines", type=int, default=LINES, help=f"of synthetic speech (default {LINES})")
+    parser.add_argument("--hidden", type=int, nargs="+", default=[448, 256, 256])
     parser.add_argument("--rounds", type=int, default=8, help="variations of everything (default 8)")
     parser.add_argument("--passes", type=int, default=2, help="through each of them (default 2)")
     parser.add_argument("--rate", type=float, default=1.5e-3, help="size of the first steps (default 1.5e-3)")
     parser.add_argument("--from", dest="start", help="a network that was learned before, to go on from")
     parser.add_argument("--out", default=str(ROOT / "src/mien/assets/live/recogniser.npz"))
     options = parser.parse_args()
-    made, emodb, grid = list(synthetic(options.speech)), list(german(options.data)), list(british(options.grid))
+    speak.make(options.package, options.work / "speech", options.lines)
+    made = list(kept_lines(options.work / "speech"))[: options.lines]
+    emodb, grid = list(german(options.data)), british(options.data / "grid-s1", options.work / "grid")
     held = [line for line in emodb if line.speaker in HELD_OUT]
     emodb = [line for line in emodb if line.speaker not in HELD_OUT]
     print(f"{len(made)} synthetic, {len(emodb)} German, {len(grid)} GRID lines; {len(held)} held out", flush=True)
@@ -85,8 +86,8 @@ def some(lines: Sequence[Line], share: int, random: np.random.Generator) -> list
     return [lines[place] for place in random.permutation(len(lines))[: len(lines) // share]]
 
 
-def synthetic(folder: Path) -> Iterator[Line]:
-    """What `speak.py` made."""
+def kept_lines(folder: Path) -> Iterator[Line]:
+    """What `speak.keep` wrote."""
     for path in sorted(folder.glob("*.npz")):
         with np.load(path) as kept:
             yield Line(
@@ -107,13 +108,15 @@ def german(data: Path) -> Iterator[Line]:
         yield _line(item.audio, item.phones, item.name[:2])
 
 
-def british(folder: Path) -> Iterator[Line]:
-    """A third of GRID's speaker 1."""
-    corpus = Corpus(folder)
-    for name in list(corpus.names)[::3]:
-        take = corpus.take(name)
-        if take.audio is not None:
-            yield _line(take.audio, take.phones, "grid")
+def british(corpus: Path, folder: Path) -> list[Line]:
+    """A third of GRID's speaker 1, aligned with what is said."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in sorted((corpus / "audio").glob("*.flac"))[::3]:
+        if not (folder / f"{path.stem}.npz").exists():
+            words = [line.split()[2] for line in (corpus / "words" / f"{path.stem}.align").read_text().splitlines()]
+            text = " ".join(word for word in words if word not in ("sil", "sp"))
+            speak.keep(folder / f"{path.stem}.npz", align(read_audio(path)[0], text), "grid")
+    return list(kept_lines(folder))
 
 
 def _line(audio: object, phones: Sequence[object], speaker: str) -> Line:
@@ -129,7 +132,9 @@ def plain(line: Line) -> tuple[Line, float]:
 
 def heard(lines: Sequence[tuple[Line, float]]) -> tuple[Single, NDArray[np.int64], NDArray[np.int64]]:
     """Rows and labels of all lines, and where each line begins and ends."""
-    rows, labels, starts = [], [], [0]
+    rows: list[Single] = []
+    labels: list[NDArray[np.int64]] = []
+    starts = [0]
     index = {label: number for number, label in enumerate(LABELS)}
     for line, warp in lines:
         found = StreamingFeatures(warp).push(line.samples)
@@ -200,7 +205,12 @@ class Learner:
         missing = (cut[:, None] < OFFSETS) | (at >= last[:, None])
         seen = rows[np.clip(at, first[:, None], last[:, None] - 1)]
         seen[missing] = 0
-        if self.random.random() < 0.5:  # a band that is not heard
+        chance = self.random.random()
+        if chance < 0.1:  # one of the two ways of hearing is missing
+            seen[:, :, BANDS + 2 :] = 0
+        elif chance < 0.2:
+            seen[:, :, :BANDS] = 0
+        elif chance < 0.5:  # a band that is not heard
             band = self.random.integers(0, 36)
             seen[:, :, band : band + self.random.integers(1, 7)] = 0
         return np.concatenate([seen.reshape(len(places), -1), missing.astype(np.float32)], axis=1)

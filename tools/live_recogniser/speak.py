@@ -1,18 +1,14 @@
-"""Makes speech with known phone times to learn the live recogniser from (`learn.py`).
-
-    npm pack kokoro-js@1.2.1
-    python tools/live_recogniser/speak.py kokoro-js-1.2.1.tgz SPEECH --number 600     about ten minutes on two cores
+"""Makes speech with known phone times to learn the live recogniser from, for `learn.py`.
 
 Sentences of the recording script and rows of random dictionary words, spoken by the 54 voices of Kokoro-82M
-(Apache-2.0), of which 28 are English and the others speak with an accent, every second time by a mixture of two of them, and by Festival's voices where they are installed
-(BSD-like).
-What is there already is kept, so the work can be stopped and taken up again. Times come from the forced alignment, or
-from Festival itself. One ``.npz`` per line: samples (int16, 16 kHz), labels, starts, ends, speaker.
+(Apache-2.0), of which 28 are English and the others have an accent, every second time by a mixture of two of them, and
+by Festival's voices where they are installed (BSD-like). What is there already is kept, so that the work can be stopped
+and taken up again. Times come from the forced alignment, or from Festival itself. One ``.npz`` per line: samples
+(int16, 16 kHz), labels, starts, ends, speaker.
 """
 
 from __future__ import annotations
 
-import argparse
 import tarfile
 from importlib.resources import files
 from pathlib import Path
@@ -35,38 +31,34 @@ FESTIVAL = ("festival-slt", "festival-kal")
 FESTIVAL_SHARE = 0.12
 
 
-def main() -> None:
-    """Speak what is not there yet."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("package", help="kokoro-js-1.2.1.tgz, which carries the voices' style vectors")
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--number", type=int, default=600, help="lines (default 600)")
-    parser.add_argument("--first", type=int, default=0, help="number of the first of them (default 0)")
-    options = parser.parse_args()
-    styles = all_styles(options.package)
+def make(package: str, folder: Path, number: int) -> None:
+    """Speak the lines that are not there yet."""
+    styles = all_styles(package)
     kokoro._styles = lambda: styles  # all voices in place of the four that ship
-    options.folder.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     write = Lines()
-    for number in range(options.first, options.first + options.number):
-        random = np.random.default_rng([7, number])
-        path = options.folder / f"{number:04d}.npz"
+    for place in range(number):
+        random = np.random.default_rng([7, place])
+        path = folder / f"{place:04d}.npz"
         if path.exists():
             continue
-        text = write.line(random)
         try:
-            utterance, speaker = spoken(text, styles, random)
+            keep(path, *spoken(write.line(random), styles, random))
         except MienError as problem:
-            print(f"{number}: left out: {problem}", flush=True)
-            continue
-        phones = utterance.phones
-        np.savez_compressed(
-            path,
-            samples=np.round(utterance.audio.resampled(RATE).samples * 32767).astype(np.int16),
-            labels=np.array([phone.label for phone in phones]),
-            starts=np.array([phone.start for phone in phones]),
-            ends=np.array([phone.end for phone in phones]),
-            speaker=speaker,
-        )
+            print(f"{place}: left out: {problem}", flush=True)
+
+
+def keep(path: Path, utterance: Utterance, speaker: str) -> None:
+    """Write sound, phones and times of one line."""
+    phones = utterance.phones
+    np.savez_compressed(
+        path,
+        samples=np.round(utterance.audio.resampled(RATE).samples * 32767).astype(np.int16),
+        labels=np.array([phone.label for phone in phones]),
+        starts=np.array([phone.start for phone in phones]),
+        ends=np.array([phone.end for phone in phones]),
+        speaker=speaker,
+    )
 
 
 def all_styles(package: str) -> dict[str, NDArray[np.float16]]:
@@ -115,7 +107,3 @@ class Lines:
             for _ in range(random.integers(6, 12))
         ]
         return " ".join(words).lower().capitalize() + "."
-
-
-if __name__ == "__main__":
-    main()

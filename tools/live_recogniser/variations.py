@@ -28,12 +28,12 @@ class Line:
 def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semitones: float) -> tuple[Line, float]:
     """A variation and the warp of the mel scale with which to hear it.
 
-    Three in ten stay as they are but for the level and the warp. Otherwise pitch, resonances and pace move together by
+    A quarter stay as they are but for the level and the warp. Otherwise pitch, resonances and pace move together by
     up to ``semitones`` (resampling), the resonances alone by up to 15 % more (the warp); a filter colours the sound,
-    one in six goes through a telephone, one in three has a room; noise (white, pink, hum or others' speech) lies 6 to
-    45 dB below; peaks lie at full scale and below, 12 dB in the mean; one in ten is clipped.
+    one in six goes through a telephone, one in three has a room; noise (white, pink, hum or others' speech) lies 0 to
+    40 dB below, below 20 in three of five; peaks lie at full scale and below, 12 dB in the mean; one in ten is clipped.
     """
-    if random.random() < 0.3:
+    if random.random() < 0.25:
         sound = line.samples / max(np.abs(line.samples).max(), 1e-6) * 10 ** (-random.uniform(0, 30) / 20)
         return replace(line, samples=sound), float(random.uniform(0.9, 1.12))
     factor = 2 ** (random.uniform(-semitones, semitones) / 12)
@@ -44,7 +44,8 @@ def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semi
     sound = coloured(sound, random)
     if random.random() < 0.35:
         sound = echoing(sound, random)
-    sound = sound + noise(len(sound), others, random) * size * 10 ** (-random.uniform(6, 45) / 20)
+    decibels = random.uniform(0, 20) if random.random() < 0.6 else random.uniform(20, 40)
+    sound = sound + noise(len(sound), others, random) * size * 10 ** (-decibels / 20)
     if random.random() < 0.16:
         sound = sosfilt(
             butter(4, (random.uniform(200, 350), random.uniform(3000, 3800)), "band", fs=RATE, output="sos"), sound
@@ -77,10 +78,10 @@ def echoing(sound: Floats, random: np.random.Generator) -> Floats:
 
 def noise(length: int, others: Sequence[Line], random: np.random.Generator) -> Floats:
     """White, pink, humming or babbling, with a mean power of 1."""
-    kind = random.choice(["white", "pink", "hum", "babble"], p=[0.3, 0.4, 0.1, 0.2])
+    kind = random.choice(["white", "pink", "hum", "babble"], p=[0.2, 0.35, 0.05, 0.4])
     if kind == "babble":
         made = np.zeros(length)
-        for place in random.integers(0, len(others), 5):
+        for place in random.integers(0, len(others), random.integers(3, 8)):
             made += np.resize(np.roll(others[place].samples, int(random.integers(0, RATE))), length)
     elif kind == "hum":
         made = np.sin(2 * np.pi * random.choice([50, 60]) * np.arange(length) / RATE) ** 3 + random.normal(

@@ -1,8 +1,9 @@
-"""What a live recogniser hears: log-mel spectra that use nothing but the past, however the sound is cut into pieces.
+"""What a live recogniser hears, using nothing but the past, however the sound is cut into pieces.
 
 Every 10 ms one row of `COLUMNS` numbers is made of 25 ms of sound at 16 kHz: `BANDS` log energies of mel bands, minus a
 running mean over the louder instants (the voice and the microphone; a fifth of it is taken as one number for all
-bands, so that a hiss does not become a voice), then the level against the recent loudest and the recent quietest.
+bands, so that a hiss does not become a voice), then the level against the recent loudest and the recent quietest, then
+what `phone_likelihoods` says of the sound without its noise, `LAG` rows late.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter, lfilter_zi
 
-__all__ = ["BANDS", "CENTRE", "COLUMNS", "HOP", "RATE", "WINDOW", "StreamingFeatures", "mel_bank"]
+from mien.speech.phone_likelihoods import LAG, PhoneLikelihoods, likelihood_labels
+
+__all__ = ["BANDS", "CENTRE", "COLUMNS", "HOP", "LAG", "RATE", "WINDOW", "StreamingFeatures", "mel_bank"]
 
 RATE, WINDOW, HOP = 16_000, 400, 160
 BANDS = 40
-COLUMNS = BANDS + 2
+COLUMNS = BANDS + 2 + len(likelihood_labels())
 CENTRE = WINDOW / 2 / RATE
 """Seconds from the start of the sound to the middle of row 0; row ``i`` stands at ``CENTRE + i * HOP / RATE``."""
 
@@ -67,13 +70,14 @@ class StreamingFeatures:
     >>> whole, pieces = StreamingFeatures(), StreamingFeatures()
     >>> rows = whole.push(sound)
     >>> rows.shape
-    (23, 42)
+    (23, 82)
     >>> bool(np.allclose(rows, np.concatenate([pieces.push(part) for part in np.split(sound, 10)])))
     True
     """
 
     def __init__(self, warp: float = 1.0) -> None:
         self._bank = mel_bank(warp)
+        self._likelihoods = PhoneLikelihoods(_SIZE, RATE, warp)
         self._kept = np.zeros(0)
         self._state: Floats | None = None
         self._peak, self._floor, self._spoken = _USUAL_PEAK, _USUAL_FLOOR, 0.0
@@ -91,7 +95,7 @@ class StreamingFeatures:
             return np.zeros((0, COLUMNS))
         windows = np.lib.stride_tricks.sliding_window_view(held, WINDOW)[: count * HOP : HOP]
         power = np.abs(np.fft.rfft(windows * _hamming(), _SIZE)) ** 2
-        return self._normalised(power @ self._bank)
+        return np.concatenate([self._normalised(power @ self._bank), self._likelihoods.push(power)], axis=1)
 
     def _sharpened(self, samples: NDArray[np.floating]) -> Floats:
         """Without an offset, and with the high notes lifted."""
@@ -101,7 +105,7 @@ class StreamingFeatures:
         return np.asarray(sharpened)
 
     def _normalised(self, powers: Floats) -> Floats:
-        rows = np.empty((len(powers), COLUMNS))
+        rows = np.empty((len(powers), BANDS + 2))
         levels = np.log(powers + _FLOOR * math.exp(-_MOST_GAIN)).mean(axis=1)
         for row, power, level in zip(rows, powers, levels.tolist(), strict=True):
             self._follow(level)

@@ -1,0 +1,214 @@
+"""Where the phones of a text lie in a sound: the likeliest way through the text's pronunciations, for any length.
+
+Viterbi's algorithm over what a network says of each row (`mien.speech.frame_classifier`). Words follow one another with
+or without a pause; a word has one or more pronunciations; a phone lasts `SHORTEST` rows or longer. Between words there may
+be speech that the text does not have: any phones, each row a little less likely than the likeliest one, so that words left
+out of a text do not pull their neighbours apart. Only what lies within `BEAM` of the best way is followed, and a stretch is
+settled when all ways that are left agree about it: time and memory grow with length and no faster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.utterance import PAUSE
+from mien.text.pronunciation import Pronunciation
+
+__all__ = ["BEAM", "OTHER", "SHORTEST", "Found", "TextGraph", "search"]
+
+OTHER = "?"
+"""Label of speech that the text does not have."""
+SHORTEST = 3
+BEAM = 400.0
+"""Natural logarithm; no true way was seen that far below the best."""
+OTHER_ROW, OTHER_START = 1.5, 12.0
+"""What a row of other speech costs, and what its beginning costs."""
+_SETTLE = 2000  # rows after which what lies far back is settled
+
+Single = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Found:
+    """A phone, a pause or other speech: its rows from ``first`` to before ``last``; ``word`` is -1 outside words."""
+
+    label: str
+    word: int
+    first: int
+    last: int
+
+
+class TextGraph:
+    """Which phone may follow which.
+
+    Parameters
+    ----------
+    choices : sequence of sequences of tuple of str
+        The pronunciations of each word.
+    labels : sequence of str
+        In the order of the columns of what is heard; the search adds one for `OTHER`.
+    """
+
+    def __init__(self, choices: Sequence[Sequence[Pronunciation]], labels: Sequence[str]) -> None:
+        index = {label: number for number, label in enumerate((*labels, OTHER))}
+        self.labels: list[str] = []
+        self.words: list[int] = []
+        before: list[list[int]] = []
+
+        def add(label: str, word: int, preceding: Sequence[int]) -> int:
+            self.labels.append(label)
+            self.words.append(word)
+            before.append(list(preceding))
+            return len(before) - 1
+
+        def gap(ends: Sequence[int]) -> list[int]:
+            pause, other = add(PAUSE, -1, ends), add(OTHER, -1, ends)
+            before[pause].append(other)
+            before[other].append(pause)
+            return [*ends, pause, other]
+
+        ends = gap([-1])
+        for number, pronunciations in enumerate(choices):
+            lasts = []
+            for phones in pronunciations:
+                preceding = ends
+                for phone in phones:
+                    preceding = [add(phone, number, preceding)]
+                lasts += preceding
+            ends = gap(lasts)
+        self.columns = np.array([index[label] for label in self.labels])
+        self.starts = np.array([-1 in row for row in before])
+        self.ends = np.array([place for place in ends if place >= 0])
+        rows = [[place for place in row if place >= 0] for row in before]
+        width = max(map(len, rows))
+        self.before = np.array([row + [-1] * (width - len(row)) for row in rows])
+        after = np.arange(len(rows))
+        for place, row in enumerate(rows):
+            for preceding in row:
+                after[preceding] = max(after[preceding], place)
+        self.reach = np.maximum.accumulate(after)
+        """The last phone that may follow any phone up to this one."""
+
+
+def search(heard: Iterable[Single], graph: TextGraph, beam: float = BEAM) -> list[Found] | None:
+    """The likeliest way through a text.
+
+    Parameters
+    ----------
+    heard : iterable of ndarray, shape (rows, labels)
+        Log likelihood of each label in each row, in pieces of any length.
+    graph : TextGraph
+    beam : float
+        Ways further below the best one are given up.
+
+    Returns
+    -------
+    list of Found or None
+        In order, without gaps; None if no way through the whole text is left at the end of the sound.
+    """
+    ways = _Ways(graph, beam)
+    for piece in heard:
+        rows = np.concatenate([piece, piece.max(axis=1, keepdims=True) - np.float32(OTHER_ROW)], axis=1)
+        for row in rows:
+            ways.step(row)
+    return ways.end()
+
+
+class _Ways:
+    """The ways that are followed: phones ``low`` to before ``high`` in each of `SHORTEST` stages."""
+
+    def __init__(self, graph: TextGraph, beam: float) -> None:
+        self.graph, self.beam = graph, beam
+        self.low, self.high = 0, 0
+        self.scores = np.zeros((SHORTEST, 0), np.float32)
+        self.steps: list[tuple[int, NDArray[np.int8], NDArray[np.bool_]]] = []
+        self.row = 0
+        self.settled: list[Found] = []
+        self.first = 0  # row of the first step that is kept
+        self.cost = np.where(np.array(graph.labels) == OTHER, np.float32(OTHER_START), np.float32(0))
+
+    def step(self, heard: Single) -> None:
+        graph = self.graph
+        low, high = self.low, self.high
+        if self.row == 0:
+            top = int(np.flatnonzero(graph.starts).max()) + 1
+        else:
+            top = int(graph.reach[high - 1]) + 1
+        last = np.full(top - low + 1, -np.inf, np.float32)  # the last place is "no phone"
+        last[: high - low] = self.scores[-1]
+        before = graph.before[low:top] - low
+        before = np.where((before < 0) | (before >= high - low), top - low, before)
+        entering = last[before]
+        source = entering.argmax(axis=1)
+        new = np.full((SHORTEST, top - low), -np.inf, np.float32)
+        new[0] = entering[np.arange(top - low), source]
+        if self.row == 0:
+            new[0] = np.where(graph.starts[low:top], np.float32(0), np.float32(-np.inf))
+        new[0] -= self.cost[low:top]
+        new[1:, : high - low] = self.scores[:-1]
+        stayed = np.zeros(top - low, bool)
+        stayed[: high - low] = self.scores[-1] >= new[-1, : high - low]
+        new[-1] = np.maximum(new[-1], last[:-1])
+        new += heard[graph.columns[low:top]]
+        best = new.max()
+        new -= best
+        alive = np.flatnonzero(new.max(axis=0) > -self.beam)
+        first, after = int(alive[0]), int(alive[-1]) + 1
+        new[new < -self.beam] = -np.inf
+        self.scores = new[:, first:after]
+        self.steps.append((low + first, source[first:after].astype(np.int8), stayed[first:after]))
+        self.low, self.high = low + first, low + after
+        self.row += 1
+        if len(self.steps) >= 2 * _SETTLE:
+            self._settle()
+
+    def end(self) -> list[Found] | None:
+        """The best way to the end of the text."""
+        ends = self.graph.ends[(self.graph.ends >= self.low) & (self.graph.ends < self.high)]
+        if not len(ends) or not np.isfinite(self.scores[-1, ends - self.low].max()):
+            return None
+        best = int(ends[self.scores[-1, ends - self.low].argmax()])
+        self._keep(best, SHORTEST - 1, len(self.steps))
+        return self.settled
+
+    def _settle(self) -> None:
+        """Settle the first half of the rows that are kept, on the best way; ways that disagree about it are given up."""
+        stages, places = np.nonzero(np.isfinite(self.scores))
+        scores = self.scores[stages, places]
+        at_stage, at_phone = stages.copy(), places + self.low
+        for low, source, stayed in self.steps[:_SETTLE:-1]:
+            final = at_stage == SHORTEST - 1
+            stay = final & stayed[at_phone - low]
+            new = (at_stage == 0) & ~stay
+            came = self.graph.before[at_phone, source[at_phone - low]]
+            at_stage = np.where(stay, at_stage, np.where(new, SHORTEST - 1, at_stage - 1))
+            at_phone = np.where(new, came, at_phone)
+        best = int(scores.argmax())
+        other = (at_stage != at_stage[best]) | (at_phone != at_phone[best])
+        self.scores[stages[other], places[other]] = -np.inf
+        self._keep(int(at_phone[best]), int(at_stage[best]), _SETTLE + 1)
+        del self.steps[: _SETTLE + 1]
+        self.first += _SETTLE + 1
+
+    def _keep(self, phone: int, stage: int, last: int) -> None:
+        """Add the way to a phone, as it stands before step ``last``, to what is settled."""
+        found: list[Found] = []
+        labels, words, row = self.graph.labels, self.graph.words, last
+        while row > 0:
+            row -= 1
+            low, source, stayed = self.steps[row]
+            if stage == SHORTEST - 1 and stayed[phone - low]:
+                continue
+            if stage > 0:
+                stage -= 1
+                continue
+            found.append(Found(labels[phone], words[phone], self.first + row, self.first + last))
+            last, stage = row, SHORTEST - 1
+            phone = int(self.graph.before[phone, source[phone - low]])
+        if last > 0:  # it began in what was settled before
+            self.settled[-1] = replace(self.settled[-1], last=self.first + last)
+        self.settled += found[::-1]
