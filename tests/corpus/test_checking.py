@@ -56,7 +56,7 @@ def test_faults_name_file_and_frame(imported: Corpus, tmp_path: Path) -> None:
     positions[40, 3] = np.nan
     positions[70, 5] += 60.0
     names, rate = take.markers.names, take.markers.rate
-    corpus.add(replace(take, markers=MarkerTrack(names, positions, rate), source={"confidence": "-80.0"}))
+    corpus.add(replace(take, markers=MarkerTrack(names, positions, rate), source={"confidence": "-5.0"}))
     corpus.add(replace(take, name="twin"))
     corpus.add(replace(take, name="twin2", source={"warnings": "one | two"}))
     corpus.add(replace(take, name="long", markers=MarkerTrack(names, np.tile(take.markers.positions, (2, 1, 1)), rate)))
@@ -65,7 +65,7 @@ def test_faults_name_file_and_frame(imported: Corpus, tmp_path: Path) -> None:
     said = [str(fault) for fault in check_corpus(Corpus(tmp_path / "bad")).faults]
     assert f"fault: motion/a.npz, frame 40: marker {names[3]} is missing (1 positions in all)" in said[0]
     assert f"fault: motion/a.npz, frame 70: marker {names[5]} jumps by 104 mm: a spike or a swap?" in said
-    assert "fault: audio/a.flac: text and sound hardly fit (score -80.0): is this its text?" in said
+    assert "fault: audio/a.flac: text and sound hardly fit (score -5.0): is this its text?" in said
     assert "fault: motion/long.npz: 4.00 s of motion, 2.00 s of sound" in said
     assert any(line.startswith("fault: motion/torn.npz: ") and "torn.flac: missing" in line for line in said)
     assert "fault: motion/twin2.npz: the same recording as twin; keep one" in said

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -7,9 +8,10 @@ import numpy as np
 import pytest
 
 from mien.core.audio import Audio
-from mien.core.errors import InputError, MissingPartError
+from mien.core.errors import AlignmentError, InputError, MissingPartError
 from mien.core.utterance import PAUSE
 from mien.formats.sound_files import read_audio
+from mien.speech import decoder
 from mien.speech import recognise as recognising
 from mien.speech.recognise import Recogniser, recognise
 from mien.text.phones import phone_table
@@ -76,3 +78,28 @@ def test_what_cannot_be_done_is_refused(monkeypatch: pytest.MonkeyPatch) -> None
     assert recognising.recogniser_at_hand() == "pocketsphinx"
     with pytest.raises(MissingPartError, match="pip install hama"):
         recognise(sound, recogniser="hama")
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        ("import os; os.kill(os.getpid(), 11)", "crashed"),
+        ("raise SystemExit('broken')", "broken"),
+        ("print('nothing')", "no answer"),
+    ],
+)
+def test_a_crash_in_the_decoder_is_an_error_and_not_the_end(
+    program: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(decoder, "_COMMAND", [sys.executable, "-c", program])
+    noise = Audio(np.random.default_rng(1).normal(0, 0.1, 16_000), 16_000)
+    with pytest.raises(AlignmentError, match=said):
+        recognise(noise, recogniser="pocketsphinx")
+
+
+def test_a_decoder_that_hangs_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(decoder, "_COMMAND", [sys.executable, "-c", "import time; time.sleep(600)"])
+    monkeypatch.setattr(decoder, "_SECONDS_TO_START", 0.2)
+    monkeypatch.setattr(decoder, "_SECONDS_PER_SECOND", 0.0)
+    with pytest.raises(AlignmentError, match="longer than"):
+        recognise(Audio(np.random.default_rng(1).normal(0, 0.1, 16_000), 16_000), recogniser="pocketsphinx")

@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.utterance import PAUSE
 from mien.speech.aligned_phone import AlignedPhone
-from mien.speech.transcript_doubts import doubts, misfits
+from mien.speech.transcript_doubts import doubts, misfits, noise_below
 from mien.text.normalisation import spoken_words
 
 RATE = 16_000
@@ -22,7 +25,7 @@ def speech_like(seconds: float, silent: tuple[float, float] | None = None) -> Au
 
 def row(scores: list[float], phones_per_word: int = 4, pause_before: float = 0.0) -> list[AlignedPhone]:
     """Phones of 0.1 s with given scores, after a pause."""
-    phones = [AlignedPhone(PAUSE, 0.0, pause_before, -1, -5.0)] if pause_before else []
+    phones = [AlignedPhone(PAUSE, 0.0, pause_before, -1, -0.2)] if pause_before else []
     for i, score in enumerate(scores):
         start = pause_before + 0.1 * i
         phones.append(AlignedPhone("AH", start, start + 0.1, i // phones_per_word, score))
@@ -30,16 +33,16 @@ def row(scores: list[float], phones_per_word: int = 4, pause_before: float = 0.0
 
 
 def test_good_scores_raise_no_doubt() -> None:
-    assert misfits(speech_like(2.8), row([-20.0] * 28)) == []
+    assert misfits(speech_like(2.8), row([-0.4] * 28)) == []
 
 
 def test_one_odd_phone_raises_no_doubt() -> None:
-    assert misfits(speech_like(2.8), row([-20.0] * 10 + [-400.0] + [-20.0] * 17)) == []
+    assert misfits(speech_like(2.8), row([-0.4] * 10 + [-40.0] + [-0.4] * 17)) == []
 
 
 def test_a_bad_run_is_named_with_its_words() -> None:
     spoken = spoken_words(WORDS)
-    (note,) = doubts(speech_like(2.8), spoken, row([-90.0] * 10 + [-10.0] * 18))
+    note = doubts(speech_like(2.8), spoken, row([-4.0] * 10 + [-0.2] * 18))[-1]
     assert note.kind == "warning"
     assert note.message.startswith("the text does not seem to fit the sound between 0.00 s")
     assert "'seven again one" in note.message
@@ -47,17 +50,26 @@ def test_a_bad_run_is_named_with_its_words() -> None:
 
 
 def test_words_laid_on_silence_are_named() -> None:
-    (misfit,) = misfits(speech_like(2.8, silent=(0.78, 1.64)), row([-20.0] * 28))
+    (misfit,) = misfits(speech_like(2.8, silent=(0.78, 1.64)), row([-0.4] * 28))
     assert misfit.kind == "words on silence"
     assert (misfit.first_word, misfit.last_word) == (2, 3)
 
 
 def test_speech_in_a_pause_is_named() -> None:
-    (misfit,) = misfits(speech_like(3.8), row([-20.0] * 28, pause_before=1.0))
-    assert misfit.kind == "speech without words"
-    assert misfit.start < 0.1
-    assert 0.9 < misfit.end <= 1.0
+    first, *others = row([-0.4] * 28, pause_before=1.0)
+    (misfit,) = misfits(speech_like(3.8), [replace(first, other=0.9), *others])
+    assert (misfit.kind, misfit.start, misfit.end) == ("speech without words", 0.0, 1.0)
+    assert misfits(speech_like(3.8), [replace(first, other=0.1), *others]) == []
+
+
+def test_noise_is_told_by_the_pauses() -> None:
+    samples = np.random.default_rng(0).normal(0, 0.1, round(3.8 * RATE))
+    samples[:RATE] *= 10 ** (-10 / 20)
+    phones = row([-0.4] * 28, pause_before=1.0)
+    assert noise_below(Audio(samples, RATE), phones) == pytest.approx(9.5, abs=0.7)
+    (note,) = doubts(Audio(samples, RATE), spoken_words(WORDS), phones)
+    assert (note.kind, "seems noisy" in note.message) == ("note", True)
 
 
 def test_a_quiet_pause_raises_no_doubt() -> None:
-    assert misfits(speech_like(3.8, silent=(0.0, 1.0)), row([-20.0] * 28, pause_before=1.0)) == []
+    assert misfits(speech_like(3.8, silent=(0.0, 1.0)), row([-0.4] * 28, pause_before=1.0)) == []

@@ -34,7 +34,7 @@ from mien.text.phones import phone_table
 
 ROOT = Path(__file__).parents[2]
 LABELS = (PAUSE, *sorted(phone_table()))
-OFFSETS = np.array([-24, -17, -12, -8, -6, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 7, 9, 12, 15])
+OFFSETS = np.array([-24, -19, -15, -12, -10, -8, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15])
 HELD_OUT = ("08", "15")  # speakers of EmoDB: a woman, a man
 BATCH, DROPOUT, SMOOTHING = 512, 0.15, 0.05
 LINES = 600
@@ -50,7 +50,7 @@ def main() -> None:
     parser.add_argument("data", type=Path, help="folder of grid-s1 and emodb")
     parser.add_argument("work", type=Path, help="folder for what is made on the way")
     parser.add_argument("--lines", type=int, default=LINES, help=f"of synthetic speech (default {LINES})")
-    parser.add_argument("--hidden", type=int, nargs="+", default=[448, 256, 256])
+    parser.add_argument("--hidden", type=int, nargs="+", default=[512, 256, 256])
     parser.add_argument("--rounds", type=int, default=8, help="variations of everything (default 8)")
     parser.add_argument("--passes", type=int, default=2, help="through each of them (default 2)")
     parser.add_argument("--rate", type=float, default=1.5e-3, help="size of the first steps (default 1.5e-3)")
@@ -177,7 +177,12 @@ class Learner:
         if options.start:
             before = FrameClassifier.load(options.start)
             self.layers = [(weights.copy(), bias.copy()) for weights, bias in before.layers]
-            self.mean, self.spread, self.log_share = before.mean, before.spread, before.log_share
+            known = len(before.mean)
+            self.mean[:known], self.spread[:known], self.log_share = before.mean, before.spread, before.log_share
+            if known < COLUMNS:  # it saw less of each row: what is new counts for nothing yet
+                seen = self.layers[0][0][: -len(OFFSETS)].reshape(len(OFFSETS), known, -1)
+                seen = np.pad(seen, ((0, 0), (0, COLUMNS - known), (0, 0))).reshape(len(OFFSETS) * COLUMNS, -1)
+                self.layers[0] = (np.concatenate([seen, self.layers[0][0][-len(OFFSETS) :]]), self.layers[0][1])
         steps = options.rounds * options.passes * (len(rows) // BATCH)
         self.adam = Adam([array for layer in self.layers for array in layer], options.rate, steps)
 

@@ -18,7 +18,7 @@ from mien.core.errors import InputError
 from mien.core.tracks import MarkerTrack
 from mien.corpus.recordings import Corpus, digest_of
 from mien.corpus.take import Take
-from mien.speech.transcript_doubts import LOWEST_RUN_SCORE
+from mien.speech.transcript_doubts import LOWEST_PHONE_SCORE, LOWEST_RUN_SCORE
 from mien.text.phones import phone_table
 
 __all__ = ["CorpusCheck", "Fault", "check_corpus", "faults_of"]
@@ -198,7 +198,7 @@ def faults_of(take: Take, digest: str = "") -> list[Fault]:
     if abs(seconds - take.duration) > _LENGTHS_AGREE:
         faults.append(Fault(take.name, motion, None, f"{seconds:.2f} s of motion, {take.duration:.2f} s of sound"))
     confidence = take.source.get("confidence", "")
-    if confidence and float(confidence) < LOWEST_RUN_SCORE:
+    if confidence and LOWEST_PHONE_SCORE < float(confidence) < LOWEST_RUN_SCORE:  # version 0.1 had another scale
         faults.append(
             Fault(take.name, sound, None, f"text and sound hardly fit (score {confidence}): is this its text?")
         )

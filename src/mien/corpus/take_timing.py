@@ -33,8 +33,8 @@ class Timed:
     words, phones : Tier
         Phones of other languages as the English ones made most alike.
     confidence : float or None
-        Mean acoustic score of the phones, per 5 ms (about -25 where text and sound fit, below -50 where they do
-        not; see `mien.speech.transcript_doubts`). None where nothing was aligned.
+        Mean score of the phones (about -0.5 where text and sound fit, below -2 where they do not; see
+        `mien.speech.transcript_doubts`). None where nothing was aligned.
     notes : tuple of Note
     """
 

@@ -196,4 +196,4 @@ class PhoneLikelihoods:
         at = [held[place : len(cepstra) + place] for place in range(2 * LAG + 1)]
         features = np.stack([at[3], at[5] - at[1], (at[6] - at[2]) - (at[4] - at[0])], axis=1)
         scores = mixtures().scores(features.astype(np.float32))
-        return np.maximum(scores - scores.max(axis=1, keepdims=True), -_DEEPEST)
+        return np.asarray(np.maximum(scores - scores.max(axis=1, keepdims=True), -_DEEPEST))

@@ -20,8 +20,8 @@ from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, InputError, MissingPartError, Note
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
-from mien.speech.align import align_pieces, name_words, tiers
-from mien.speech.decoder import RATE, DecoderError, Piece, decode, pcm16, transcribe
+from mien.speech.align import align_words, tiers
+from mien.speech.decoder import RATE, DecoderError, Piece, pcm16, transcribe, words_in
 from mien.text.pronunciation import Pronunciation, dictionary_entries, pronunciations
 
 __all__ = ["ipa_phones", "recognise", "recogniser_at_hand"]
@@ -83,11 +83,9 @@ def recognise(audio: Audio, *, language: str = "en-US", recogniser: Recogniser |
     words = [word for piece in heard for word in piece]
     if not words:
         return _nothing(audio, language)
-    names = iter(name_words([choices for _, choices in words]))
-    named = [Piece(p.first, p.last, tuple(next(names) for _ in said)) for p, said in zip(pieces, heard, strict=True)]
-    table = {n: w[1] for p, said in zip(named, heard, strict=True) for n, w in zip(p.words, said, strict=True)}
     labels = [label for label, _ in words]
-    word_tier, phone_tier = tiers(align_pieces(samples, named, table, audio.duration), labels, audio.duration)
+    phones = align_words(audio, labels, [choices for _, choices in words])
+    word_tier, phone_tier = tiers(phones, labels, audio.duration)
     note = Note("note", f"{_APPROXIMATE} for a better mouth")
     return Utterance(" ".join(labels), audio, word_tier, phone_tier, language, "recognised", (note,))
 
@@ -121,11 +119,7 @@ def _hear_hama(samples: NDArray[np.int16], pieces: list[Piece]) -> Heard:
 
 
 def _hear_pocketsphinx(samples: NDArray[np.int16], pieces: list[Piece]) -> Heard:
-    heard: Heard = []
-    for words in decode("recognise", samples, pieces, {}):
-        spoken = [word.name for word in words or () if not word.filler]
-        heard.append([(name, pronunciations(name)) for name in spoken])
-    return heard
+    return [[(word, pronunciations(word)) for word in words] for words in words_in(samples, pieces)]
 
 
 def ipa_phones(sign: str) -> tuple[str, ...]:

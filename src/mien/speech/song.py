@@ -153,9 +153,10 @@ def held_notes(audio: Audio) -> tuple[float, int]:
 
     from mien.speech.pitch import pitch_contour
 
-    contour = pitch_contour(Audio(audio.samples[: round(_LISTENED * audio.rate)], audio.rate))
-    voiced, size = contour.voiced, round(_NOTE / 0.016)
-    pitch = np.where(voiced, contour.semitones(), 0.0)
+    contour = pitch_contour(audio)  # of the whole sound, since the head and the brows will ask for it again
+    heard = contour.times < _LISTENED
+    voiced, size = contour.voiced[heard], round(_NOTE / 0.016)
+    pitch = np.where(voiced, contour.semitones()[heard], 0.0)
     weight = uniform_filter1d(voiced.astype(np.float64), _SMOOTHED)
     smooth = uniform_filter1d(pitch, _SMOOTHED) / np.maximum(weight, 1e-9)
     held = np.zeros(len(pitch), dtype=bool)

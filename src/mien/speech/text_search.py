@@ -1,15 +1,15 @@
 """Where the phones of a text lie in a sound: the likeliest way through the text's pronunciations, for any length.
 
 Viterbi's algorithm over what a network says of each row (`mien.speech.frame_classifier`). Words follow one another with
-or without a pause; a word has one or more pronunciations; a phone lasts `SHORTEST` rows or longer. Between words there may
-be speech that the text does not have: any phones, each row a little less likely than the likeliest one, so that words left
-out of a text do not pull their neighbours apart. Only what lies within `BEAM` of the best way is followed, and a stretch is
-settled when all ways that are left agree about it: time and memory grow with length and no faster.
+or without a pause; a word has one or more pronunciations; a phone lasts `SHORTEST` rows or longer. Between words there
+may be speech that the text does not have: any phones, each row a little less likely than the likeliest one, so that
+words left out of a text do not pull their neighbours apart. Only what lies within `BEAM` of the best way is followed,
+and what is older than half a minute is settled: time and memory grow with length and no faster.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -86,21 +86,21 @@ class TextGraph:
         rows = [[place for place in row if place >= 0] for row in before]
         width = max(map(len, rows))
         self.before = np.array([row + [-1] * (width - len(row)) for row in rows])
-        after = np.arange(len(rows))
+        after = list(range(len(rows)))
         for place, row in enumerate(rows):
             for preceding in row:
                 after[preceding] = max(after[preceding], place)
-        self.reach = np.maximum.accumulate(after)
+        self.reach = np.maximum.accumulate(np.array(after))
         """The last phone that may follow any phone up to this one."""
 
 
-def search(heard: Iterable[Single], graph: TextGraph, beam: float = BEAM) -> list[Found] | None:
+def search(heard: Single, graph: TextGraph, beam: float = BEAM) -> list[Found] | None:
     """The likeliest way through a text.
 
     Parameters
     ----------
-    heard : iterable of ndarray, shape (rows, labels)
-        Log likelihood of each label in each row, in pieces of any length.
+    heard : ndarray, shape (rows, labels)
+        Log likelihood of each label in each row.
     graph : TextGraph
     beam : float
         Ways further below the best one are given up.
@@ -111,10 +111,8 @@ def search(heard: Iterable[Single], graph: TextGraph, beam: float = BEAM) -> lis
         In order, without gaps; None if no way through the whole text is left at the end of the sound.
     """
     ways = _Ways(graph, beam)
-    for piece in heard:
-        rows = np.concatenate([piece, piece.max(axis=1, keepdims=True) - np.float32(OTHER_ROW)], axis=1)
-        for row in rows:
-            ways.step(row)
+    for row in heard:
+        ways.step(np.append(row, row.max() - np.float32(OTHER_ROW)))
     return ways.end()
 
 
@@ -176,7 +174,7 @@ class _Ways:
         return self.settled
 
     def _settle(self) -> None:
-        """Settle the first half of the rows that are kept, on the best way; ways that disagree about it are given up."""
+        """Settle the first half of the rows that are kept, on the best way; ways that disagree are given up."""
         stages, places = np.nonzero(np.isfinite(self.scores))
         scores = self.scores[stages, places]
         at_stage, at_phone = stages.copy(), places + self.low

@@ -1,10 +1,14 @@
 """Does the text fit the sound? The aligner always answers, even for a text that nobody said.
 
-Three signs are looked for, with limits calibrated on true and on spoilt transcripts (docs/tables/alignment.md):
+Three signs are looked for, with limits calibrated on true and on spoilt transcripts, in quiet and in noise
+(docs/tables/noise.md, docs/tables/alignment.md):
 
-* a run of phones whose acoustic scores are far below what true transcripts reach;
+* a run of phones, or a word, that is far less likely than what else could be said there;
 * words laid on silence;
-* speech in a pause, where the text has no words.
+* speech between two words that the text has no words for.
+
+What cannot be heard for noise is hardly less likely than anything else, so that noise alone raises no doubt; it is
+named by a note of its own.
 """
 
 from __future__ import annotations
@@ -18,26 +22,25 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import Note
-from mien.core.utterance import PAUSE
 from mien.speech.aligned_phone import AlignedPhone
 from mien.text.spoken_text import SpokenText
 
-__all__ = ["Misfit", "doubts", "misfits"]
+__all__ = ["Misfit", "doubts", "misfits", "noise_below"]
 
 RUN = 9
 """Phones whose scores are averaged."""
-LOWEST_RUN_SCORE = -52.0
+LOWEST_RUN_SCORE = -1.8
 """A run that scores lower on average does not fit."""
-LOWEST_RUN_SCORE_THROUGH_A_MAP = -64.0
+LOWEST_RUN_SCORE_THROUGH_A_MAP = -3.0
 """The same for a language whose phones the English model hears through a phone map (docs/languages.md)."""
-LOWEST_PHONE_SCORE = -150.0
+LOWEST_PHONE_SCORE = -8.0
 """Scores are clipped here, so that one odd phone does not condemn its run."""
 QUIET_WORD = 36.0
 """Decibels that the loudest part of a word lies below speech for the word to count as laid on silence."""
-LOUD_PAUSE = 10.0
-"""Decibels below speech that still count as speech in a pause."""
-LONG_PAUSE_SPEECH = 0.30
-"""Seconds of such loudness in one pause that count as words left out."""
+OTHER_SPEECH = 0.22
+"""Seconds of speech between two words that count as words left out."""
+NOISY = 15.0
+"""Decibels by which noise lies below the voice at most for it to be named."""
 _FRAME = 0.02
 
 Kind = Literal["poor fit", "words on silence", "speech without words"]
@@ -60,8 +63,24 @@ class Misfit:
 def doubts(
     audio: Audio, spoken: SpokenText, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE
 ) -> tuple[Note, ...]:
-    """A warning for each stretch where the text does not seem to fit the sound."""
-    return tuple(Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones, lowest))
+    """A note on noise, and a warning for each stretch where the text does not seem to fit the sound."""
+    below = noise_below(audio, phones)
+    noise = f"the sound seems noisy: the noise lies about {below:.0f} dB below the voice, so times are less certain"
+    warnings = [Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones, lowest)]
+    return (*([Note("note", noise)] if below < NOISY else []), *warnings)
+
+
+def noise_below(audio: Audio, phones: Sequence[AlignedPhone]) -> float:
+    """Decibels by which the sound in the pauses, or at its quietest, lies below the sound in the words."""
+    loudness = _loudness(audio)
+    spoken = [(phone.start, phone.end) for phone in phones if phone.word >= 0]
+    pauses = [(p.start + _FRAME, p.end - _FRAME) for p in phones if p.word < 0 and p.end - p.start > 6 * _FRAME]
+    if not spoken:
+        return float("inf")
+    quiet = np.median(_parts(loudness, pauses)) if pauses else np.percentile(loudness, 5)
+    powers = 10 ** (_parts(loudness, spoken) / 10)
+    voice = max(float(powers.mean()) - 10 ** (quiet / 10), 1e-12)
+    return float(10 * np.log10(voice) - quiet)
 
 
 def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST_RUN_SCORE) -> list[Misfit]:
@@ -80,11 +99,7 @@ def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST
     if not spoken:
         return []
     level = float(np.percentile(_parts(loudness, [(p.start, p.end) for p in spoken]), 75))
-    found = (
-        _poor_runs(spoken, lowest)
-        + _words_on_silence(spoken, loudness, level)
-        + _wordless_speech(phones, loudness, level)
-    )
+    found = _poor_runs(spoken, lowest) + _words_on_silence(spoken, loudness, level) + _wordless_speech(phones)
     return sorted(found, key=lambda misfit: misfit.start)
 
 
@@ -101,9 +116,10 @@ def _sentence(misfit: Misfit, spoken: SpokenText) -> str:
 
 def _poor_runs(spoken: Sequence[AlignedPhone], lowest: float) -> list[Misfit]:
     scores = np.maximum([phone.score for phone in spoken], LOWEST_PHONE_SCORE)
+    lengths = np.array([phone.end - phone.start for phone in spoken])
     run = min(RUN, len(scores))
-    sums = np.concatenate([[0.0], np.cumsum(scores)])
-    means = (sums[run:] - sums[:-run]) / run
+    sums, times = (np.concatenate([[0.0], np.cumsum(values)]) for values in (scores * lengths, lengths))
+    means = (sums[run:] - sums[:-run]) / np.maximum(times[run:] - times[:-run], 1e-9)
     bad = np.zeros(len(scores), dtype=bool)
     for start in np.flatnonzero(means < lowest):
         bad[start : start + run] = True
@@ -125,17 +141,10 @@ def _words_on_silence(spoken: Sequence[AlignedPhone], loudness: NDArray[np.float
     ]
 
 
-def _wordless_speech(phones: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
-    found = []
-    for phone in phones:
-        if phone.label != PAUSE:
-            continue
-        first = round(phone.start / _FRAME)
-        loud = np.flatnonzero(loudness[first : round(phone.end / _FRAME)] > level - LOUD_PAUSE)
-        if len(loud) * _FRAME >= LONG_PAUSE_SPEECH:
-            start, end = (first + loud[0]) * _FRAME, (first + loud[-1] + 1) * _FRAME
-            found.append(Misfit("speech without words", float(start), float(end)))
-    return found
+def _wordless_speech(phones: Sequence[AlignedPhone]) -> list[Misfit]:
+    return [
+        Misfit("speech without words", phone.start, phone.end) for phone in phones if phone.other >= OTHER_SPEECH - 1e-9
+    ]
 
 
 def _loudness(audio: Audio) -> NDArray[np.float64]:

@@ -88,7 +88,7 @@ def analyse(audio: Audio) -> SpeechFrames:
     """Frames of a sound, from the first with speech to the last; none where there is no speech."""
     sound = audio.resampled(RATE)
     level = level_contour(sound).decibels
-    pitch = pitch_contour(sound)
+    pitch = pitch_contour(audio)
     frames = min(len(level), len(pitch))
     level = level[:frames]
     active = level > max(np.percentile(level, 95) - _SPEECH_RANGE_DB, _FLOOR_DB)

@@ -1,0 +1,77 @@
+"""A whole sound as the live network hears it: how likely each phone is in each row of 10 ms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.core.audio import Audio
+from mien.speech.frame_classifier import FrameClassifier, default_classifier
+from mien.speech.streaming_features import CENTRE, HOP, RATE, StreamingFeatures
+
+__all__ = ["Hearing", "hear"]
+
+SHARE = 0.5
+"""How far the answers are freed of how often each phone was heard in learning, 0..1."""
+_BLOCK = 20 * RATE
+
+Single = NDArray[np.float32]
+
+
+class Hearing:
+    """Log likelihoods of the labels in each row of a sound.
+
+    Parameters
+    ----------
+    labels : tuple of str
+    rows : ndarray, shape (rows, labels)
+    """
+
+    def __init__(self, labels: tuple[str, ...], rows: Single) -> None:
+        self.labels, self.rows = labels, rows
+        self._best = rows.max(axis=1, initial=-np.inf)
+        self._index = {label: number for number, label in enumerate(labels)}
+
+    def score(self, label: str, first: int, last: int) -> float:
+        """How much less likely a label is than the likeliest one, mean over some rows: natural logarithm, 0 at best."""
+        return float((self.rows[first:last, self._index[label]] - self._best[first:last]).mean())
+
+    def edge(self, row: int, before: str, after: str) -> float:
+        """Seconds at which one label gives way to the next, whose first row it is: where both are equally likely."""
+        here = CENTRE + row * HOP / RATE
+        if not 0 < row < len(self.rows):
+            return here - HOP / RATE / 2
+        lead = self.rows[row - 1 : row + 1, self._index[before]] - self.rows[row - 1 : row + 1, self._index[after]]
+        share = float(np.clip(lead[0] / max(float(lead[0] - lead[1]), 1e-6), 0.0, 1.0))
+        return here - (1 - share) * HOP / RATE
+
+
+def hear(audio: Audio, classifier: FrameClassifier | None = None) -> Hearing:
+    """Listen to a sound once, in blocks.
+
+    Parameters
+    ----------
+    audio : Audio
+        Any rate and level.
+    classifier : FrameClassifier or None
+        None takes the one that ships.
+    """
+    network = classifier or default_classifier()
+    answers = list(_answers(audio.resampled(RATE).samples, network))
+    rows = np.concatenate(answers) if answers else np.zeros((0, len(network.labels)), np.float32)
+    return Hearing(network.labels, rows - SHARE * network.log_share)
+
+
+def _answers(samples: NDArray[np.floating], network: FrameClassifier) -> Iterator[Single]:
+    features = StreamingFeatures()
+    rows = np.zeros((0, 0))
+    before = 0  # rows that are kept though they were judged
+    for start in range(0, len(samples), _BLOCK):
+        fresh = features.push(samples[start : start + _BLOCK])
+        rows = np.concatenate([rows, fresh]) if len(rows) else fresh
+        last = len(rows) if start + _BLOCK >= len(samples) else max(before, len(rows) - network.future)
+        yield network.log_posteriors(rows, before, last)
+        spare = max(0, last - network.past)
+        rows, before = rows[spare:], last - spare
