@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.one_thread import one_thread
 from mien.speech.frame_classifier import FrameClassifier, default_classifier
 from mien.speech.streaming_features import CENTRE, HOP, RATE, StreamingFeatures
 
@@ -48,6 +49,7 @@ class Hearing:
         return here - (1 - share) * HOP / RATE
 
 
+@one_thread
 def hear(audio: Audio, classifier: FrameClassifier | None = None) -> Hearing:
     """Listen to a sound once, in blocks.
 

@@ -13,17 +13,16 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct
 
 from mien.core.errors import MissingPartError
 from mien.core.utterance import PAUSE
 from mien.speech.noise_floor import NoiseFloor
 from mien.text.phones import phone_table
+from mien.text.pronunciation import pocketsphinx_model
 
 __all__ = ["LAG", "PhoneLikelihoods", "PhoneMixtures", "likelihood_labels", "mixtures"]
 
@@ -83,10 +82,7 @@ def mixtures() -> PhoneMixtures:
     MissingPartError
         If it is not installed, or its model is not of the form that is known.
     """
-    package = find_spec("pocketsphinx")
-    if package is None or package.origin is None:
-        raise MissingPartError("pocketsphinx is not installed: pip install pocketsphinx")
-    folder = Path(package.origin).parent / "model" / "en-us" / "en-us"
+    folder = pocketsphinx_model() / "en-us"
     try:
         means, variances = (_densities(folder / name) for name in ("means", "variances"))
         names = _phone_names(folder / "mdef")
@@ -151,8 +147,12 @@ def _bank(size: int, rate: int, warp: float) -> Floats:
 
 
 @cache
-def _lift() -> Floats:
-    return np.asarray(1 + _LIFTER / 2 * np.sin(np.pi * np.arange(_CEPSTRA) / _LIFTER))
+def _cosines() -> Floats:
+    """The cosine transform from bands to liftered cepstra, shape (bands, cepstra)."""
+    numbers, places = np.arange(_CEPSTRA), np.arange(_BANDS)[:, None] + 0.5
+    size = np.where(numbers == 0, np.sqrt(1 / _BANDS), np.sqrt(2 / _BANDS))
+    lift = 1 + _LIFTER / 2 * np.sin(np.pi * numbers / _LIFTER)
+    return np.asarray(np.cos(np.pi * numbers * places / _BANDS) * size * lift)
 
 
 class PhoneLikelihoods:
@@ -183,7 +183,7 @@ class PhoneLikelihoods:
         bands = powers @ (self._bank * _SCALE**2)
         clean = self.floor.push(bands)
         heard = clean.sum(axis=1) > _AUDIBLE * bands.sum(axis=1)
-        cepstra = dct(np.log(clean + 1e-4), norm="ortho", axis=1)[:, :_CEPSTRA] * _lift()
+        cepstra = np.log(clean + 1e-4) @ _cosines()
         for row, counts in zip(cepstra, heard.tolist(), strict=True):
             if counts:
                 keep = 1 - 1 / _MEAN_TIME

@@ -13,7 +13,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, lfilter_zi
 
 from mien.speech.phone_likelihoods import LAG, PhoneLikelihoods, likelihood_labels
 
@@ -29,6 +28,7 @@ _SIZE = 512
 _LOWEST, _HIGHEST = 60.0, 7600.0  # Hz; below lie hum and offset
 _EMPHASIS = 0.97
 _OFFSET_END = 20.0  # Hz: slower motion is no sound
+_CHUNK = 128
 _FLOOR = 1e-7  # power of a band below which nothing is heard: about the step of 16-bit sound
 # Natural logarithms of power, as speech at a usual level has them; what is believed before anything is heard.
 _USUAL_PEAK, _USUAL_FLOOR = -4.0, -12.0
@@ -79,7 +79,8 @@ class StreamingFeatures:
         self._bank = mel_bank(warp)
         self._likelihoods = PhoneLikelihoods(_SIZE, RATE, warp)
         self._kept = np.zeros(0)
-        self._state: Floats | None = None
+        self._before: Floats | None = None
+        self._last = 0.0
         self._peak, self._floor, self._spoken = _USUAL_PEAK, _USUAL_FLOOR, 0.0
         self._sum, self._weight = np.full(BANDS, _USUAL_PEAK - 1.0) * _MEAN_TRUST, _MEAN_TRUST
 
@@ -97,12 +98,23 @@ class StreamingFeatures:
         power = np.abs(np.fft.rfft(windows * _hamming(), _SIZE)) ** 2
         return np.concatenate([self._normalised(power @ self._bank), self._likelihoods.push(power)], axis=1)
 
-    def _sharpened(self, samples: NDArray[np.floating]) -> Floats:
-        """Without an offset, and with the high notes lifted."""
-        if self._state is None:  # as if the first sample had stood there for long
-            self._state = lfilter_zi(*_filter()) * samples[0]
-        sharpened, self._state = lfilter(*_filter(), samples, zi=self._state)
-        return np.asarray(sharpened)
+    def _sharpened(self, samples: Floats) -> Floats:
+        """Without an offset, and with the high notes lifted: (1 - z^-1) (1 - emphasis z^-1) / (1 - pole z^-1)."""
+        if self._before is None:  # as if the first sample had stood there for long
+            self._before, self._last = np.repeat(samples[:1], 2), 0.0
+        held = np.concatenate([self._before, samples])
+        self._before = held[-2:]
+        steps = held[2:] - (1 + _EMPHASIS) * held[1:-1] + _EMPHASIS * held[:-2]
+        triangle, decay = _recursion()
+        found = np.zeros(-(-len(steps) // _CHUNK) * _CHUNK)
+        found[: len(steps)] = steps
+        found = found.reshape(-1, _CHUNK) @ triangle
+        for chunk in found:
+            chunk += self._last * decay
+            self._last = chunk[-1]
+        sharpened = found.reshape(-1)[: len(steps)]
+        self._last = float(sharpened[-1])
+        return sharpened
 
     def _normalised(self, powers: Floats) -> Floats:
         rows = np.empty((len(powers), BANDS + 2))
@@ -130,10 +142,11 @@ class StreamingFeatures:
 
 
 @cache
-def _filter() -> tuple[Floats, Floats]:
-    """Numerator and denominator: 1 - z^-1 over 1 - pole z^-1 keeps offsets out, 1 - emphasis z^-1 lifts."""
+def _recursion() -> tuple[Floats, Floats]:
+    """What each of `_CHUNK` inputs adds to each output after it, and what the last output before them adds."""
     pole = math.exp(-2 * math.pi * _OFFSET_END / RATE)
-    return np.convolve([1.0, -1.0], [1.0, -_EMPHASIS]), np.array([1.0, -pole, 0.0])
+    after = np.arange(_CHUNK) - np.arange(_CHUNK)[:, None]
+    return np.where(after >= 0, pole ** np.maximum(after, 0), 0.0), pole ** np.arange(1, _CHUNK + 1)
 
 
 @cache

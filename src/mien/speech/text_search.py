@@ -88,8 +88,8 @@ class TextGraph:
         self.before = np.array([row + [-1] * (width - len(row)) for row in rows])
         after = list(range(len(rows)))
         for place, row in enumerate(rows):
-            for preceding in row:
-                after[preceding] = max(after[preceding], place)
+            for earlier in row:
+                after[earlier] = max(after[earlier], place)
         self.reach = np.maximum.accumulate(np.array(after))
         """The last phone that may follow any phone up to this one."""
 

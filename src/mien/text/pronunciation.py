@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache, lru_cache
+from importlib.util import find_spec
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
-from mien.core.errors import InputError
+from mien.core.errors import InputError, MissingPartError
 from mien.text.phones import is_vowel, phone_table
 
-__all__ = ["Pronunciation", "dictionary_entries", "in_dictionary", "pronounce", "pronunciations"]
+__all__ = ["Pronunciation", "dictionary_entries", "in_dictionary", "pocketsphinx_model", "pronounce", "pronunciations"]
 
 Pronunciation = tuple[str, ...]
 
@@ -67,9 +68,21 @@ class _Dictionary:
 
 @cache
 def _dictionary() -> _Dictionary:
-    import pocketsphinx
+    return _Dictionary(pocketsphinx_model() / "cmudict-en-us.dict")
 
-    return _Dictionary(Path(pocketsphinx.get_model_path("en-us/cmudict-en-us.dict")))
+
+def pocketsphinx_model() -> Path:
+    """The folder of pocketsphinx's English model, found without loading its library.
+
+    Raises
+    ------
+    MissingPartError
+        If it is not installed.
+    """
+    package = find_spec("pocketsphinx")
+    if package is None or package.origin is None:
+        raise MissingPartError("pocketsphinx is not installed: pip install pocketsphinx")
+    return Path(package.origin).parent / "model" / "en-us"
 
 
 def dictionary_entries() -> list[tuple[str, Pronunciation]]:
