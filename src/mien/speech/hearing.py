@@ -1,4 +1,8 @@
-"""A whole sound as the live network hears it: how likely each phone is in each row of 10 ms."""
+"""A whole sound as the live network hears it: how likely each phone is in each row of 10 ms.
+
+A part of what the mixtures of `phone_likelihoods` say is added to the answers of the network. They listen to less at a
+time and mistake more, but differently: where a text narrows the choice, both together place phones better than either.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +14,14 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.one_thread import one_thread
 from mien.speech.frame_classifier import FrameClassifier, default_classifier
-from mien.speech.streaming_features import CENTRE, HOP, RATE, StreamingFeatures
+from mien.speech.streaming_features import BANDS, CENTRE, HOP, LAG, RATE, StreamingFeatures
 
 __all__ = ["Hearing", "hear"]
 
 SHARE = 0.5
 """How far the answers are freed of how often each phone was heard in learning, 0..1."""
+MIXTURES = 0.2
+"""How far the mixtures count beside the network."""
 _BLOCK = 20 * RATE
 
 Single = NDArray[np.float32]
@@ -74,6 +80,7 @@ def _answers(samples: NDArray[np.floating], network: FrameClassifier) -> Iterato
         fresh = features.push(samples[start : start + _BLOCK])
         rows = np.concatenate([rows, fresh]) if len(rows) else fresh
         last = len(rows) if start + _BLOCK >= len(samples) else max(before, len(rows) - network.future)
-        yield network.log_posteriors(rows, before, last)
+        heard = np.minimum(np.arange(before, last) + LAG, len(rows) - 1)
+        yield network.log_posteriors(rows, before, last) + (MIXTURES * rows[heard, BANDS + 2 :]).astype(np.float32)
         spare = max(0, last - network.past)
         rows, before = rows[spare:], last - spare

@@ -98,7 +98,7 @@ class StreamingFeatures:
         power = np.abs(np.fft.rfft(windows * _hamming(), _SIZE)) ** 2
         return np.concatenate([self._normalised(power @ self._bank), self._likelihoods.push(power)], axis=1)
 
-    def _sharpened(self, samples: Floats) -> Floats:
+    def _sharpened(self, samples: NDArray[np.floating]) -> Floats:
         """Without an offset, and with the high notes lifted: (1 - z^-1) (1 - emphasis z^-1) / (1 - pole z^-1)."""
         if self._before is None:  # as if the first sample had stood there for long
             self._before, self._last = np.repeat(samples[:1], 2), 0.0
@@ -109,12 +109,12 @@ class StreamingFeatures:
         found = np.zeros(-(-len(steps) // _CHUNK) * _CHUNK)
         found[: len(steps)] = steps
         found = found.reshape(-1, _CHUNK) @ triangle
-        for chunk in found:
-            chunk += self._last * decay
-            self._last = chunk[-1]
+        for place in range(len(found)):
+            found[place] += self._last * decay
+            self._last = float(found[place, -1])
         sharpened = found.reshape(-1)[: len(steps)]
         self._last = float(sharpened[-1])
-        return sharpened
+        return np.asarray(sharpened)
 
     def _normalised(self, powers: Floats) -> Floats:
         rows = np.empty((len(powers), BANDS + 2))
@@ -146,7 +146,8 @@ def _recursion() -> tuple[Floats, Floats]:
     """What each of `_CHUNK` inputs adds to each output after it, and what the last output before them adds."""
     pole = math.exp(-2 * math.pi * _OFFSET_END / RATE)
     after = np.arange(_CHUNK) - np.arange(_CHUNK)[:, None]
-    return np.where(after >= 0, pole ** np.maximum(after, 0), 0.0), pole ** np.arange(1, _CHUNK + 1)
+    decay = pole ** np.arange(1.0, _CHUNK + 1)
+    return np.asarray(np.where(after >= 0, pole ** np.maximum(after, 0.0), 0.0)), np.asarray(decay)
 
 
 @cache
