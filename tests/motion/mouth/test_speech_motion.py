@@ -16,7 +16,8 @@ from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.coarticulation import CoarticulationSettings
 from mien.motion.mouth.correction import CorrectionSettings
 from mien.motion.mouth.influence import InfluenceSettings
-from mien.motion.mouth.mouth_space import MarkerSpace
+from mien.motion.mouth.lip_closure import LEAST_APART, LipClosure
+from mien.motion.mouth.mouth_space import ChannelSpace, MarkerSpace
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import load_learned, save_learned
 from tests.motion.speaking import NAMES, take, takes, tier
@@ -98,6 +99,20 @@ def test_inner_lips_never_pass_through_each_other(model):
         for upper, lower in model.mouth_.facing:
             assert (held[:, upper, 1] >= held[:, lower, 1] - 1e-9).all()
     assert model.mouth_.facing == ((8, 9), (0, 1))
+
+
+def test_lips_that_no_phone_shuts_stay_apart():
+    space = ChannelSpace.of(("jawOpen", "mouthLowerDownLeft"))
+    closure = LipClosure(space)
+    closure.apart_, closure.delay_ = {"bilabial": 0.0}, {}
+    ajar = space.rows_from(np.array([[0.02, 0.0]]))
+    closure.closing_ = ajar[0] / (space.opening_of(ajar)[0] - space.gap[0])
+    phones = tier(["W", "R", "B", "W"], 0.2, start=0.2)
+    times = np.arange(0, phones.intervals[-1].end, 0.02)
+    held = space.opening_of(closure.hold(np.zeros((len(times), 2)), phones, times))
+    assert held[(times > 0.26) & (times < 0.54)].min() > LEAST_APART - 0.05
+    assert held[(times > 0.62) & (times < 0.78)].max() < 0.5
+    assert held[times < 0.19].max() < 0.01
 
 
 def test_the_mouth_rests_in_long_pauses():

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mien.core.poses import read_table
 from mien.core.timeline import Tier
+from mien.core.utterance import PAUSE
 from mien.motion.mouth.mouth_space import MouthSpace
 from mien.motion.mouth.recorded_mouths import RecordedMouth
 
@@ -28,6 +29,11 @@ SHORTEST_REACH = 0.03
 """Seconds about the usual instant of closure within which the model's own narrowest instant is looked for, at least."""
 QUARTILE = 75.0
 """Per cent of recorded closures at which the lips came at least as close as they are drawn here."""
+LEAST_APART = 1.0
+"""Millimetres by which lips that no phone shuts stay apart in speech: in recordings the narrowest, of /w/ and /r/, are
+wider, but learned curves that are sharpened again close them now and then, and a viewer sees a /b/ that nobody said."""
+CLEAR = 0.05
+"""Seconds from a phone that shuts the lips, or from a pause, at which that holds in full."""
 NEARLY_SHUT = 5.0
 """Millimetres of lip opening below which frames tell the direction in which lips close."""
 _STEPS = 4  # distances and bounds are not linear in the shift: a few steps bring it home
@@ -80,7 +86,7 @@ class LipClosure:
         return self
 
     def hold(self, rows: Floats, phones: Tier, times: Floats) -> Floats:
-        """Draw the lips together where they must be shut; shape (frames, columns), in and out."""
+        """Draw the lips together where they must be shut, and keep them apart elsewhere; shape (frames, columns)."""
         rows = rows.copy()
         opening = self.space.opening_of(rows)
         if self.apart_ and opening is not None:
@@ -91,7 +97,25 @@ class LipClosure:
                 if kind in self.apart_ and len(near):
                     closest = times[near[opening[near].argmin()]]
                     self._draw_together(rows, _fade(np.abs(times - closest)), self.apart_[kind])
+            rows = self._kept_apart(rows, phones, times)
         return self.space.parted(rows, self.closing_)
+
+    def _kept_apart(self, rows: Floats, phones: Tier, times: Floats) -> Floats:
+        """Speech away from pauses and from phones that shut the lips, with the lips at least `LEAST_APART` apart."""
+        rest = self.space.rest()
+        if rest is None:
+            return rows
+        free = np.zeros(len(times))
+        for phone in phones:
+            if phone.label not in self.seals and phone.label != PAUSE:
+                free[(times >= phone.start) & (times < phone.end)] = 1.0
+        for phone in phones:
+            if phone.label in self.seals or phone.label == PAUSE:
+                away = np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0)
+                free = np.minimum(free, away / CLEAR)
+        least = max(float(self._opening(rest[None])[0]), 0.0) + LEAST_APART
+        lacking = np.maximum(least - self._opening(rows), 0.0)
+        return np.asarray(rows + (free * lacking)[:, None] * self.closing_)
 
     def _closures(self, mouth: RecordedMouth) -> list[tuple[str, float, float]]:
         """Kind, least opening and its time from the middle, of each seal inside speech."""
