@@ -26,6 +26,7 @@ __all__ = ["SpeechFrames", "analyse", "voice_features"]
 
 RATE, HOP, WINDOW = 16_000, 256, 512
 STEP = HOP / RATE
+_BLOCK = 4096  # frames
 _BANDS, _CEPSTRA = 26, 14
 _BAND_LOW, _BAND_HIGH = 80.0, 6500.0
 _SPEECH_RANGE_DB = 32.0
@@ -63,7 +64,7 @@ class SpeechFrames:
     active: NDArray[np.bool_]
     semitones: _Array
     confidence: _Array
-    power: _Array
+    power: NDArray[np.floating]
 
     def __len__(self) -> int:
         return len(self.level)
@@ -109,7 +110,7 @@ def analyse(audio: Audio) -> SpeechFrames:
     )
 
 
-def _nothing() -> tuple[_Array, float, NDArray[np.bool_], _Array, _Array, _Array]:
+def _nothing() -> tuple[_Array, float, NDArray[np.bool_], _Array, _Array, NDArray[np.floating]]:
     empty = np.zeros(0)
     return empty, _FLOOR_DB, np.zeros(0, dtype=bool), empty, empty, np.zeros((0, WINDOW // 2 + 1))
 
@@ -122,12 +123,15 @@ def _semitones(pitch: PitchContour) -> _Array:
     return np.where(stray, np.nan, semitones)
 
 
-def _spectra(samples: NDArray[np.floating], frames: int) -> _Array:
-    """Power spectra of Hann windows centred on each frame."""
-    padded = np.pad(samples.astype(np.float64), (WINDOW // 2, WINDOW))
-    starts = HOP * np.arange(frames)
-    windows = padded[starts[:, None] + np.arange(WINDOW)] * np.hanning(WINDOW)
-    return np.asarray(np.abs(np.fft.rfft(windows, axis=1)) ** 2)
+def _spectra(samples: NDArray[np.floating], frames: int) -> NDArray[np.float32]:
+    """Power spectra of Hann windows centred on each frame, in single precision and made in blocks: an hour has many."""
+    padded = np.pad(samples.astype(np.float32), (WINDOW // 2, WINDOW))
+    found = np.empty((frames, WINDOW // 2 + 1), np.float32)
+    for first in range(0, frames, _BLOCK):
+        starts = HOP * np.arange(first, min(first + _BLOCK, frames))
+        windows = padded[starts[:, None] + np.arange(WINDOW)] * np.hanning(WINDOW)
+        found[first : first + _BLOCK] = np.abs(np.fft.rfft(windows, axis=1)) ** 2
+    return found
 
 
 def voice_features(frames: SpeechFrames) -> dict[str, float]:
