@@ -117,7 +117,7 @@ def test_noise_still_gets_a_mouth_and_a_warning() -> None:
     ("seconds", "text", "language", "said"),
     [
         (1.0, "", "en-US", "at least one word"),
-        (1.0, "Bonjour", "fr-FR", "unknown language .fr-FR."),
+        (1.0, "Dia dhuit", "ga-IE", "unknown language .ga-IE."),
         (0.05, "hello", "en-US", "at least 0.1 s"),
     ],
 )

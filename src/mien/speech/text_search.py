@@ -25,7 +25,7 @@ OTHER = "?"
 SHORTEST = 3
 BEAM = 400.0
 """Natural logarithm; no true way was seen that far below the best."""
-OTHER_ROW, OTHER_START = 1.5, 12.0
+OTHER_ROW, OTHER_START = 2.5, 15.0
 """What a row of other speech costs, and what its beginning costs."""
 _SETTLE = 2000  # rows after which what lies far back is settled
 
