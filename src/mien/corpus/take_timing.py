@@ -33,7 +33,7 @@ class Timed:
     words, phones : Tier
         Phones of other languages as the English ones made most alike.
     confidence : float or None
-        Mean score of the phones (about -0.5 where text and sound fit, below -2 where they do not; see
+        Mean score of the phones (about -0.8 where text and sound fit, below -2.6 where they do not; see
         `mien.speech.transcript_doubts`). None where nothing was aligned.
     notes : tuple of Note
     """

@@ -44,8 +44,8 @@ class DecodingSettings:
         How much counts what usually follows what.
     """
 
-    share: float = 0.2
-    change: float = 1.0
+    share: float = 0.5
+    change: float = 2.0
     follow: float = 0.6
 
 

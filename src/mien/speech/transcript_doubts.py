@@ -27,17 +27,17 @@ from mien.text.spoken_text import SpokenText
 
 __all__ = ["Misfit", "doubts", "misfits", "noise_below"]
 
-RUN = 9
+RUN = 7
 """Phones whose scores are averaged."""
-LOWEST_RUN_SCORE = -1.8
+LOWEST_RUN_SCORE = -2.6
 """A run that scores lower on average does not fit."""
-LOWEST_RUN_SCORE_THROUGH_A_MAP = -3.0
+LOWEST_RUN_SCORE_THROUGH_A_MAP = -4.0
 """The same for a language whose phones the English model hears through a phone map (docs/languages.md)."""
 LOWEST_PHONE_SCORE = -8.0
 """Scores are clipped here, so that one odd phone does not condemn its run."""
 QUIET_WORD = 36.0
 """Decibels that the loudest part of a word lies below speech for the word to count as laid on silence."""
-OTHER_SPEECH = 0.22
+OTHER_SPEECH = 0.18
 """Seconds of speech between two words that count as words left out."""
 NOISY = 15.0
 """Decibels by which noise lies below the voice at most for it to be named."""
