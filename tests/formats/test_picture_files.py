@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import replace
 
 import numpy as np
@@ -67,6 +68,16 @@ def test_a_stopped_run_leaves_no_frames(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         save(tiny_animation(4), tmp_path / "a%05d.png", face=tiny_face(), view=SMALL, progress=stop)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_one_line_and_leaves_no_frames(tmp_path, monkeypatch):
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Image.Image, "save", full)
+    with pytest.raises(OutputError, match=r"a%05d\.png: the disk is full"):
+        save(tiny_animation(3), tmp_path / "a%05d.png", face=tiny_face(), view=SMALL)
     assert list(tmp_path.iterdir()) == []
 
 
