@@ -150,8 +150,8 @@ def _key_share(x, y, z, nx, ny, nz, facing, step, axes, scale, depth):
 
 @njit(cache=True, error_model="numpy", parallel=True, nogil=True)
 def vertex_light(
-    vertices, normals, listed, both_sides, place, scatter, lift, spacing, axes, colours, wrap, bounce, centre, radius,
-    key_map, soft_maps, light, openness,
+    vertices, normals, listed, both_sides, place, scatter, lift, cavity, spacing, axes, colours, wrap, bounce, centre,
+    radius, key_map, soft_maps, light, openness,
 ):  # fmt: skip
     """Light at the listed vertices; sheets are lit on the side that the camera at ``place`` sees.
 
@@ -197,8 +197,11 @@ def vertex_light(
         # What does not see the dome sees flesh instead, and gets a little red light back from it.
         closed = 1.0 - dome_seen / dome
         openness[v, 1] = 1.0 - closed
-        light[v, 0], light[v, 1] = red + closed * bounce[0], green + closed * bounce[1]
-        light[v, 2] = blue + closed * bounce[2]
+        left = 1.0 - cavity[v] * closed
+        openness[v, 0] *= left
+        light[v, 0] = left * red + closed * bounce[0]
+        light[v, 1] = left * green + closed * bounce[1]
+        light[v, 2] = left * blue + closed * bounce[2]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -136,7 +136,9 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
         share = np.maximum(facing[:, None] + wrap, 0) / (1 + wrap)
         lit += np.where(reached[:, None], seen[:, None] * lights.colours[number] * share, 0)
     openness[:, 1] = dome_seen / dome
-    lit = np.where(needed[:, None], lit + (1 - openness[:, 1:]) * lights.bounce, 0)
+    left = 1 - scene.cavity * (1 - openness[:, 1])
+    openness[:, 0] *= left
+    lit = np.where(needed[:, None], left[:, None] * lit + (1 - openness[:, 1:]) * lights.bounce, 0)
     for _ in range(SPREAD_STEPS):
         lit = _spread(renderer, lit, needed)
     return lit, openness

@@ -202,9 +202,9 @@ class Renderer:
         shown, lit = np.flatnonzero(needed), np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
         light.vertex_light(
-            vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.spacing,
-            self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre, scene.head_radius,
-            key_map, soft_maps, lit, openness,
+            vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.cavity,
+            scene.spacing, self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre,
+            scene.head_radius, key_map, soft_maps, lit, openness,
         )  # fmt: skip
         for _ in range(SPREAD_STEPS):
             spread = lit.copy()

@@ -23,6 +23,7 @@ _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
 _COARSE_MM, _COARSE_MOVE_MM = 6.0, 14.0  # what lies and moves so close together casts soft shadows as one point
 _FADE_MM = 28.0
+_IN_MOUTH, _CAVITY = ("teeth", "tongue", "gum"), 0.8
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
 # How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (hand-made).
@@ -54,6 +55,8 @@ class Scene:
         How far off its surface a vertex is held against the shadow maps, mm.
     both_sides : ndarray of bool, shape (vertices,)
         Whether the vertex belongs to a sheet.
+    cavity : ndarray of float32, shape (vertices,)
+        Above 0 for teeth and tongue: as far, lips and cheeks leave of every light what they leave open of the dome.
     spacing : ndarray of float32, shape (vertices,)
         Mean length of the edges at a vertex, mm.
     albedo : ndarray of float32, shape (vertices, 3)
@@ -86,6 +89,7 @@ class Scene:
     solid: Floats
     lift: Floats
     both_sides: NDArray[np.bool_]
+    cavity: Floats
     spacing: Floats
     albedo: Floats
     gloss: Floats
@@ -129,6 +133,9 @@ class Scene:
             lift=np.concatenate([_lift(part, casting) for part, casting in zip(parts, casts, strict=True)]),
             both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
             solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
+            cavity=np.concatenate(
+                [np.full(len(p.vertices), _CAVITY * p.name.startswith(_IN_MOUTH), np.float32) for p in parts]
+            ),
             spacing=np.concatenate([_spacing(part) for part in parts]),
             albedo=np.concatenate(
                 [linear_from_srgb(p.colours) * linear_from_srgb(p.material.colour) for p in parts]
