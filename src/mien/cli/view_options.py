@@ -15,7 +15,7 @@ VIEW_OPTIONS = ("size", "camera", "crop", "background", "light", "quality")
 
 def add_view_options(parser: Any) -> None:
     """Add them to a command that can write pictures."""
-    group = parser.add_argument_group("pictures", "for .mp4 .webm .mov .gif .png and NAME%%05d.png (docs/pictures.md)")
+    group = parser.add_argument_group("pictures", "for .mp4 .webm .mov .gif .png and NAME%05d.png (docs/pictures.md)")
     group.add_argument("--size", metavar="WxH", help="pixels, such as 1080x1920 (default 1280x720)")
     group.add_argument(
         "--camera",
