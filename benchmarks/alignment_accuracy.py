@@ -34,6 +34,7 @@ import numpy as np
 from hand_labels import Labelled
 
 from mien.core.audio import Audio
+from mien.core.errors import AlignmentError
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
 from mien.speech.align import align_words, tiers
@@ -201,7 +202,10 @@ def warned(pairs: list[tuple[Audio, list[str]]]) -> float:
 
 def has_misfit(pair: tuple[Audio, list[str]]) -> bool:
     audio, words = pair
-    return bool(misfits(audio, align_words(audio, words, [pronunciations(word) for word in words])))
+    try:
+        return bool(misfits(audio, align_words(audio, words, [pronunciations(word) for word in words])))
+    except AlignmentError:
+        return True
 
 
 def trainer() -> ModuleType:

@@ -88,5 +88,13 @@ def test_words_that_the_text_does_not_have_leave_the_others_in_place() -> None:
     assert [part.first for part in found if part.label == "C"] == [18, 72]
 
 
+def test_a_text_that_is_not_said_has_a_way_where_all_are_followed() -> None:
+    heard, graph = spoken("DDDDDDDDAB"), TextGraph([[("A", "B", "C")]] * 5, LABELS)
+    assert search(heard, graph, beam=20.0) is None
+    found = search(heard, graph, beam=float("inf"))
+    assert found is not None
+    assert {part.word for part in found} >= set(range(5))
+
+
 def test_too_many_words_have_no_way() -> None:
     assert search(spoken("AB"), TextGraph([[("A", "B")]] * 3, LABELS)) is None

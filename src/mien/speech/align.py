@@ -33,6 +33,8 @@ from mien.text.spoken_text import Spelled, SpokenWord, with_spellings
 __all__ = ["align", "align_words", "choices_of", "tiers"]
 
 _SHORTEST_SOUND = 0.1
+_MOST_PHONE_SECONDS = 100_000.0
+"""Phones times seconds up to which every way is followed where none near the best one leads to the end of a text."""
 
 
 def align(audio: Audio, text: str, *, language: str | Path = ENGLISH, spellings: Sequence[Spelled] = ()) -> Utterance:
@@ -123,7 +125,10 @@ def align_words(audio: Audio, words: Sequence[str], choices: Sequence[Sequence[P
         If no alignment was found.
     """
     heard = hear(audio)
-    found = search(heard.rows, TextGraph(choices, heard.labels))
+    graph = TextGraph(choices, heard.labels)
+    found = search(heard.rows, graph)
+    if found is None and audio.duration * len(graph.labels) < _MOST_PHONE_SECONDS:
+        found = search(heard.rows, graph, float("inf"))  # a text that is hardly what is said
     if found is None:
         raise AlignmentError(
             f"could not align the text ({len(words)} words) with {audio.duration:.1f} s of sound: there is no way "
