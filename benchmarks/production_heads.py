@@ -35,8 +35,8 @@ Written by `python benchmarks/production_heads.py WHEEL`. Both heads have shapes
 gets the mesh alone, at rest, and no landmarks. Over the skin's vertices that the artist's shape moves by more than
 {moving} mm, **error** is the mean distance of our offsets from the artist's as a share of the mean movement (no shape
 at all: 100 %), **cosine** that of all offsets together. **Artists**: the second head's shapes carried to the first one
-by the same two fits, against the first artist's: how far two artists agree, and so what shapes of a third origin can be
-expected to reach.
+by the same two fits, against the first artist's: how far two artists agree (one pair, and the fits' own error
+is in it).
 """
 
 
