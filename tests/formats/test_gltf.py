@@ -110,7 +110,7 @@ def test_materials(written):
     stored = np.asarray(Image.open(io.BytesIO(glb.blob[place.byteOffset : place.byteOffset + place.byteLength])))
     assert np.abs(stored.astype(int) - face.part("skin").material.texture).mean() < 4
     teeth = glb.gltf.meshes[glb.gltf.nodes[glb.node("face")].mesh].primitives[1]
-    colours = glb.array(teeth.attributes.COLOR_0) / 65535  # linear light
+    colours = glb.array(teeth.attributes.COLOR_0)  # linear light
     assert colours[-1] == pytest.approx([1, 1, 1, 1])
     assert colours[0, 0] == pytest.approx(((0.4 + 0.055) / 1.055) ** 2.4, abs=1e-4)
 
