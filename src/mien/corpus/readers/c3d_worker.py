@@ -9,6 +9,7 @@ of mien, so that it starts quickly.
 from __future__ import annotations
 
 import json
+import os
 import sys
 from typing import Any
 
@@ -17,12 +18,12 @@ import numpy as np
 __all__ = ["PARAMETERS", "main"]
 
 PARAMETERS = (("POINT", "LABELS"), ("POINT", "UNITS"), ("POINT", "RATE"), ("ANALOG", "LABELS"), ("ANALOG", "RATE"))
-_SECONDS, _BYTES = 120, 8 * 2**30
+_SECONDS, _BYTES_PER_SECOND, _BYTES = 15, 10_000_000, 8 * 2**30
 
 
 def main(source: str, out: str) -> int:
     """Read; what the library has to say of a bad file goes to standard error, exit code 2."""
-    _limit()
+    _limit(source)
     import ezc3d
 
     try:
@@ -48,12 +49,13 @@ def main(source: str, out: str) -> int:
     return 0
 
 
-def _limit() -> None:
+def _limit(source: str) -> None:
     """A file that makes the library run or grow without end costs this process, not the machine."""
     try:
         import resource
 
-        resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS))
+        seconds = _SECONDS + os.path.getsize(source) // _BYTES_PER_SECOND  # noqa: PTH202 - nothing else of pathlib here
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
         resource.setrlimit(resource.RLIMIT_AS, (_BYTES, _BYTES))
     except (ImportError, ValueError, OSError):
         return
