@@ -21,6 +21,7 @@ __all__ = ["OWN_TABLES", "asset", "asset_table", "assets_folder", "assets_in", "
 
 OWN_TABLES = "MIEN_TABLES"
 """Environment variable that names the folder of tables of one's own."""
+_FOLDERS = (OWN_TABLES, "XDG_CONFIG_HOME", "HOME")
 
 
 @cache
@@ -61,6 +62,12 @@ def asset(path: str) -> Path:
     >>> asset("phones/arpabet.toml").name
     'arpabet.toml'
     """
+    return _place(path, *(os.environ.get(name) for name in _FOLDERS))
+
+
+@cache
+def _place(path: str, *_folders: str | None) -> Path:
+    """Looked up once for each setting of the folders: tables are asked for word by word."""
     own = own_folder() if path.endswith(".toml") else None
     return own / path if own is not None and (own / path).is_file() else assets_folder() / path
 
