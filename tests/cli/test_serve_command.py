@@ -35,7 +35,6 @@ def test_packets_for_unreal(line: str, capsys: pytest.CaptureFixture[str]) -> No
     [
         (["--host", "0.0.0.0"], "give --token"),
         (["--no-websocket"], "leaves nothing to stream to"),
-        (["--no-websocket", "--vmc", "localhost", "--wait"], "belong to the WebSocket"),
         (["--vmc", "localhost:http"], "a port from 1 to 65535"),
         (["--vmc", "localhost", "--vmc-shapes", "arkitt"], "did you mean 'arkit'"),
         (["--port", "70000"], "from 0 to 65535"),

@@ -85,7 +85,7 @@ def test_shifted_moves_every_interval() -> None:
 def test_timecode_counts_whole_frames() -> None:
     assert timecode(0, FrameRate.of(30)) == "00:00:00:00.000"
     assert timecode(30 * 3661 + 7, FrameRate.of(30)) == "01:01:01:07.000"
-    assert timecode(30, FrameRate.of(29.97)) == "00:00:01:00.000"
+    assert timecode(30, FrameRate.of(29.97)) == "00:00:01:00.030"
 
 
 @pytest.mark.parametrize(

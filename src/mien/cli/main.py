@@ -363,9 +363,10 @@ def _checked_face(options: argparse.Namespace, inputs: Sequence[str | None]) -> 
     glb_style(options)
     foreign = not is_named_face(options.face) and _is_foreign(options.face)
     _refuse_same_file(outputs, [*inputs, *([options.face, options.names] if foreign else [])])
+    arms = getattr(options, "arms", "lower")  # only what performs on avatars asks
     if foreign:
-        return checked_foreign_face(options.face, outputs, options.deformer, options.names, options.arms)
-    if options.arms == "keep":
+        return checked_foreign_face(options.face, outputs, options.deformer, options.names, arms)
+    if arms == "keep":
         raise InputError(f"--arms is for a face in .glb, .vrm or .gltf, not for {options.face!r}")
     if options.names is not None:
         raise InputError(f"--names is for a face in .glb, .vrm or .gltf, not for {options.face!r}")

@@ -51,7 +51,7 @@ def frame_files(path: str | Path, frames: int) -> list[Path]:
     ['line000.png', 'line001.png']
     """
     path = Path(path)
-    if path.name.count("%") != 1 or _NUMBER.search(path.name) is None:
+    if len(_NUMBER.findall(path.name)) != 1:
         raise InputError(f"{path}: the number of a frame stands in a name once, as %05d")
     digits = int(_NUMBER.search(path.name)[1] or 1)  # type: ignore[index]
     if digits > 9:

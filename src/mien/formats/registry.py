@@ -5,6 +5,7 @@ Formats of other packages join by entry points of the group ``mien.formats`` (``
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,6 +39,7 @@ PLUG_INS = "mien.formats"
 
 FRAMES = "%05d.png"
 """The end of a name that stands for one picture a frame; any ``%0Nd`` does."""
+_NUMBERED = re.compile(r"%0?\d*d.*\.png$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -389,7 +391,7 @@ def _plugged_in() -> tuple[Exporter, ...]:
 
 
 def _exporter(path: Path) -> Exporter:
-    if "%" in path.name and path.suffix.lower() == ".png":
+    if _NUMBERED.search(path.name):
         return next(exporter for exporter in EXPORTERS if exporter.suffix == FRAMES)
     for exporter in EXPORTERS:  # other packages are looked up only where none of mien's own formats is meant
         if exporter.suffix.lower() == path.suffix.lower():
@@ -420,7 +422,7 @@ def check_output(path: str | Path, view: View | None = None) -> Path:
     >>> check_output("line.mp5")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
         ...
-    mien.core.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: .TextGrid, .c3d, ...
+    mien.core.errors.InputError: unknown output format '.mp5': did you mean '.mp4'? known: ...
     """
     path = Path(path)
     exporter = _exporter(path)

@@ -349,11 +349,13 @@ def test_two_computers(tmp_path: Path) -> None:
         inside = ["ip", "netns", "exec", space, *MIEN]
         with frames.open("w") as output:
             perform = subprocess.Popen(
-                [*inside, "perform", "--listen", "7004", "--performer", "hand-made"], stdout=output
+                [*inside, "perform", "--listen", "7004", "--performer", "hand-made", "--token", "secret-word"], stdout=output
             )
-        translate = subprocess.Popen([*inside, "translate", "--listen", "0.0.0.0:7003", "--connect", "7004"])
+        translate = subprocess.Popen(
+            [*inside, "translate", "--listen", "0.0.0.0:7003", "--connect", "7004", "--token", "secret-word"]
+        )
         given = run("interpret", lines(3)).stdout
-        speak = run("speak", given, "--connect", "10.213.7.2:7003")
+        speak = run("speak", given, "--connect", "10.213.7.2:7003", "--token", "secret-word")
         assert speak.returncode == 0, speak.stderr
         assert (translate.wait(20), perform.wait(20)) == (0, 0)
         assert [json.loads(line).get("end") for line in frames.read_text().splitlines() if "end" in line] == [
