@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from mien.core import channels
-from mien.core.timeline import FrameRate
-from mien.motion.effort import DECIBELS, articulate, effort_gains, mean_mouth
+from mien.core.timeline import FrameRate, Interval, Tier
+from mien.motion.effort import DECIBELS, MeanMouth, articulate, effort_gains, mean_mouth
+from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.motion.mouth.mouth_space import ChannelSpace
 from mien.motion.performers import load_performer
 from mien.pipeline.perform import perform
@@ -75,8 +76,9 @@ def test_the_ceiling_is_soft() -> None:
     mouth = performer.mouth.perform(LINE, RATE)
     wide = replace(mouth, values=np.clip(2.0 * mouth.values, 0, 0.95), seal=np.zeros(len(mouth.values)))
     effort = np.full(len(wide.values), 2.0)
-    jaw = articulate(wide, effort, LINE.phones, RATE, mean_mouth(performer.mouth)).values[:, JAW]
     said = [(p.start, p.end) for p in LINE.phones if p.label != "SIL"]
+    vowel = Tier("phones", (Interval(said[0][0], said[-1][1], "AA"),))
+    jaw = articulate(wide, effort, vowel, RATE, mean_mouth(performer.mouth)).values[:, JAW]
     speech = (RATE.times(len(jaw)) >= said[0][0]) & (RATE.times(len(jaw)) <= said[-1][1])
     before, after = wide.values[speech, JAW], jaw[speech]
     assert after.max() < 1
@@ -138,3 +140,15 @@ def test_the_gains_are_those_of_the_shipped_table() -> None:
     assert jaw[0] < lips[0] < 1 < lips[2] < jaw[2]
     per_decibel = (jaw[2] - 1) / (0.5 * DECIBELS)
     assert 0.02 < per_decibel < 0.06  # facegood-mandarin: .028 among vowels of one kind, .047 among its loudest frames
+
+
+def test_a_hiss_keeps_its_narrow_gap_while_vowels_open() -> None:
+    said = utterance(("SIL", 0.2), ("AA", 0.3), ("S", 0.3), ("AA", 0.3), ("SIL", 0.2))
+    rate = FrameRate.of(60)
+    mouth = HandMadeMouth().perform(said, rate)
+    loud = articulate(mouth, np.full(len(mouth.values), 2.0), said.phones, rate, MeanMouth(mouth.values.mean(axis=0)))
+    jaw = channels.ALL.index("jawOpen")
+    grown = loud.values[:, jaw] - mouth.values[:, jaw]
+    vowel, hiss = grown[round(0.35 * 60)], grown[round(0.65 * 60)]
+    assert vowel > 0.1
+    assert hiss < 0.35 * vowel

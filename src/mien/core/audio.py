@@ -91,7 +91,7 @@ class Audio:
 
         return Audio(soxr.resample(self.samples, self.rate, rate, quality="HQ"), rate)
 
-    def is_silent(self, threshold_db: float = -60.0) -> bool:
+    def is_silent(self, threshold_db: float = -72.0) -> bool:
         """Whether no 20 ms stretch is louder than ``threshold_db`` dBFS (RMS)."""
         window = max(1, self.rate // 50)
         blocks = len(self.samples) // window

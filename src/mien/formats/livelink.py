@@ -56,6 +56,7 @@ _SIDES_APART = 0.02
 _TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
 _PLAIN_NUMBER = re.compile(r"[-+]?\d{1,6}(?:\.\d{0,20})?", re.ASCII)
 _DAY = 24 * 3600
+_USUAL = 30  # frames a second of what mien writes and of the app
 _LONGEST_GAP = 600.0  # seconds; more is another recording
 _FEWEST_WEIGHTS = 26  # of 52: with less it is another kind of table
 _NEEDED = ("Timecode", "JawOpen")
@@ -76,7 +77,7 @@ def read_livelink(path: str | Path, rate: FrameRate | None = None) -> tuple[Chan
     ----------
     path : path-like
     rate : FrameRate, optional
-        Needed if the recording is shorter than a second: the file itself does not say it. Otherwise it overrides what
+        A recording shorter than a second does not say it (30 or 60 are then assumed, with a note). It overrides what
         the timecode says.
 
     Returns
@@ -237,9 +238,14 @@ def _times(
     read = [code for code in codes if code is not None]
     base = _ticks_in_a_second(read)
     if base is None:
+        most = max(code.ticks + 1 for code in read)
         if rate is None:
-            raise InputError(f"{path} is shorter than a second, so its frame rate is not in it: give the rate")
-        base = math.ceil(max(rate.fps, *(code.ticks + 1 for code in read)))
+            rate = FrameRate.of(_USUAL if most <= _USUAL else 2 * _USUAL)
+            message = (
+                f"{path.name} is shorter than a second, so its frame rate is not in it: {rate} frames/s are assumed"
+            )
+            notes.append(Note("note", message))
+        base = math.ceil(max(rate.fps, most))
     dropping = any(code.dropping for code in read) or _drops(read, base)
     now = np.array([_tick(code, base, dropping) for code in read])
     wraps = np.concatenate([[0], np.cumsum(np.diff(now) < -_DAY * base / 2)])

@@ -23,7 +23,7 @@ from mien.core.tracks import MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
 from mien.motion.mouth.hand_made_mouth import MouthMotion
 from mien.motion.performer import MouthModel
-from mien.text.phones import is_vowel
+from mien.text.phones import is_vowel, phone_table
 
 __all__ = ["DECIBELS", "EffortGains", "MeanMouth", "articulate", "effort_gains", "mean_mouth"]
 
@@ -47,6 +47,10 @@ _LINE = (
     "M W AA Z DH AH S T R AO NG G ER W EH N AH T R AE V L ER K EY M AH L AO NG R AE P T IH N AH W AO R M K L OW K"
 )
 """The beginning of "The North Wind and the Sun": what a person's mean mouth is measured on."""
+TURN = 0.10
+"""Seconds over which a mouth turns from a consonant that keeps it narrow to a vowel that does not."""
+OPENS = {"fricative": 0.2, "affricate": 0.2, "stop": 0.35, "nasal": 0.5, "liquid": 0.6, "glide": 0.6}
+"""Hand-made: how much of a louder voice's opening consonants take; vowels take all of it."""
 
 
 @dataclass(frozen=True)
@@ -147,8 +151,11 @@ def articulate(
         Weights in [0, 1]; where ``seal`` is 1 nothing has changed.
     """
     jaw, lips = (gains or effort_gains()).at(effort)
-    free = (1 - mouth.seal) * _speaking(phones, rate.times(len(mouth.values)))
-    jaw, lips = 1 + (jaw - 1) * free, 1 + (lips - 1) * free
+    times = rate.times(len(mouth.values))
+    free = (1 - mouth.seal) * _speaking(phones, times)
+    grown = _free_to_open(phones, times, rate)
+    jaw = 1 + np.where(jaw > 1, (jaw - 1) * grown, jaw - 1) * free
+    lips = 1 + (lips - 1) * free
     values = mouth.values.copy()
     values[:, _JAW] = _bounded(values[:, _JAW] * jaw[:, None], mouth.values[:, _JAW])
     moved = mean.values[_LIPS] + (values[:, _LIPS] - mean.values[_LIPS]) * lips[:, None]
@@ -172,6 +179,23 @@ def _speaking(phones: Tier, times: Floats) -> Floats:
         if phone.label != PAUSE:
             away = np.minimum(away, np.maximum(phone.start - times, times - phone.end))
     return np.asarray((1 + np.cos(np.pi * np.clip(away / EASE, 0, 1))) / 2)
+
+
+def _free_to_open(phones: Tier, times: Floats, rate: FrameRate) -> Floats:
+    """How much of a greater opening each moment takes, 0 to 1, shape (times,): a hiss keeps its narrow gap.
+
+    Shares by manner (`OPENS`, hand-made), eased over `TURN`.
+    """
+    share = np.ones(len(times))
+    manners = phone_table()
+    for phone in phones:
+        if phone.label in manners:
+            inside = (times >= phone.start) & (times < phone.end)
+            share[inside] = OPENS.get(manners[phone.label].manner, 1.0)
+    width = max(1, round(TURN * rate.fps)) | 1
+    window = np.hanning(width + 2)[1:-1]
+    padded = np.pad(share, width // 2, mode="edge")
+    return np.asarray(np.convolve(padded, window / window.sum(), mode="valid"))
 
 
 def _moved_markers(markers: MarkerTrack | None, lips: Floats, mean: MeanMouth) -> MarkerTrack | None:

@@ -192,7 +192,7 @@ def heard(
     """Words and phones of a sound, with the notes on reading it."""
     if said is not None and not said.strip():
         raise InputError(
-            "expected a text that says what is spoken, got an empty one; leave it out to have it recognised"
+            "expected a text that says what is spoken, got an empty one (mien animate without --text recognises phones)"
         )
     if song and said is None:
         raise InputError("a song needs its lyrics: give them with --text (words are not recognised in songs)")

@@ -99,7 +99,11 @@ def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST
     if not spoken:
         return []
     level = float(np.percentile(_parts(loudness, [(p.start, p.end) for p in spoken]), 75))
-    found = _poor_runs(spoken, lowest) + _words_on_silence(spoken, loudness, level) + _wordless_speech(phones)
+    found = (
+        _poor_runs(spoken, lowest)
+        + _words_on_silence(spoken, loudness, level)
+        + _wordless_speech(phones, loudness, level)
+    )
     return sorted(found, key=lambda misfit: misfit.start)
 
 
@@ -141,9 +145,13 @@ def _words_on_silence(spoken: Sequence[AlignedPhone], loudness: NDArray[np.float
     ]
 
 
-def _wordless_speech(phones: Sequence[AlignedPhone]) -> list[Misfit]:
+def _wordless_speech(phones: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
+    """Where the network hears other speech, unless it is all but silent there: its scores mean little then."""
     return [
-        Misfit("speech without words", phone.start, phone.end) for phone in phones if phone.other >= OTHER_SPEECH - 1e-9
+        Misfit("speech without words", phone.start, phone.end)
+        for phone in phones
+        if phone.other >= OTHER_SPEECH - 1e-9
+        and np.percentile(_parts(loudness, [(phone.start, phone.end)]), 75) > level - QUIET_WORD
     ]
 
 

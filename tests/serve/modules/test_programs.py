@@ -349,7 +349,8 @@ def test_two_computers(tmp_path: Path) -> None:
         inside = ["ip", "netns", "exec", space, *MIEN]
         with frames.open("w") as output:
             perform = subprocess.Popen(
-                [*inside, "perform", "--listen", "7004", "--performer", "hand-made", "--token", "secret-word"], stdout=output
+                [*inside, "perform", "--listen", "7004", "--performer", "hand-made", "--token", "secret-word"],
+                stdout=output,
             )
         translate = subprocess.Popen(
             [*inside, "translate", "--listen", "0.0.0.0:7003", "--connect", "7004", "--token", "secret-word"]
