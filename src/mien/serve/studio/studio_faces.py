@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
-import tempfile
 from collections import defaultdict
 from dataclasses import asdict, dataclass
 from hashlib import sha256
@@ -187,10 +186,7 @@ def _resting_glb(name: str) -> bytes:
     from mien.core import channels
     from mien.core.timeline import FrameRate
     from mien.core.tracks import ChannelTrack
-    from mien.formats.gltf import write_glb
+    from mien.formats.gltf import GlbBuilder
 
     rest = ChannelTrack(channels.ALL, np.zeros((1, len(channels.ALL))), FrameRate.of(30))
-    with tempfile.TemporaryDirectory(prefix="mien-face-") as folder:
-        path = Path(folder) / "face.glb"
-        write_glb(imported(rest, "the studio"), load_face(name), path)
-        return path.read_bytes()
+    return GlbBuilder(load_face(name), "performance").build(imported(rest, "the studio"))
