@@ -144,11 +144,6 @@ def _cosine(one: Floats, other: Floats) -> float:
 
 
 def faces(stage: Stage) -> list[str]:
-    layout, basis = stage.layout, stage.basis
-
-    def performed(emotion: str) -> Floats:
-        return layout.places + (hand_made_performance(emotion) @ basis).reshape(-1, len(layout.markers), 3)
-
     neutral = stage.values()
     rest = measures(stage.positions(np.concatenate(neutral))).mean(axis=0)
     lines = [
@@ -184,9 +179,14 @@ def faces(stage: Stage) -> list[str]:
         lips = stage.lips_at_bilabials(made)
         cells += [f"{full.max():.1%}", f"{np.median(lips):.2f}", f"{lips.max():.2f}"]
         sizes.append(f"| {emotion} | " + " | ".join(cells) + " |")
-    lines += sizes
-    lines += ["", "`frustrated` was not among the measured emotions.", "", "## Wander about the mean", ""]
-    lines += [
+    return [*lines, *sizes, "", "`frustrated` was not among the measured emotions.", "", *_wander(stage)]
+
+
+def _wander(stage: Stage) -> list[str]:
+    layout = stage.layout
+    lines = [
+        "## Wander about the mean",
+        "",
         "| emotion | upper face: sd mm | speed mm/s | mouth: sd mm | speed mm/s |",
         "| --- | --- | --- | --- | --- |",
     ]
@@ -196,8 +196,8 @@ def faces(stage: Stage) -> list[str]:
         [layout.markers.index(m) for m in layout.groups[name] if m not in layout.rigid] for name in ("upper", "mouth")
     ]
     for emotion in hand_made_expression().names:
-        motion = performed(emotion)
-        cells = []
+        places = (hand_made_performance(emotion) @ stage.basis).reshape(-1, len(layout.markers), 3)
+        motion, cells = layout.places + places, []
         for group in groups:
             part = motion[:, group]
             spread = np.sqrt(((part - part.mean(axis=0)) ** 2).sum(axis=2).mean())

@@ -38,32 +38,54 @@ class Node:
     joint: bool = False
 
 
-def write_head(path: str | Path, nodes: Sequence[Node]) -> None:
-    """Write nodes as a GLB."""
-    data, views, accessors, meshes, out = bytearray(), [], [], [], []
+class _Buffer:
+    """The binary chunk as it grows, with its views and accessors."""
 
-    def view(array: np.ndarray) -> int:
-        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes})
-        data.extend(np.ascontiguousarray(array).tobytes())
-        data.extend(bytes(-len(data) % 4))
-        return len(views) - 1
+    def __init__(self) -> None:
+        self.data, self.views, self.accessors = bytearray(), list[dict](), list[dict]()
 
-    def accessor(facts: dict) -> int:
-        accessors.append(facts)
-        return len(accessors) - 1
+    def view(self, array: np.ndarray) -> int:
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes})
+        self.data.extend(np.ascontiguousarray(array).tobytes())
+        self.data.extend(bytes(-len(self.data) % 4))
+        return len(self.views) - 1
 
-    def offsets(array: np.ndarray) -> int:
+    def accessor(self, facts: dict) -> int:
+        self.accessors.append(facts)
+        return len(self.accessors) - 1
+
+    def offsets(self, array: np.ndarray) -> int:
+        """Displacements, of which only those that move are written."""
         array = array.astype(np.float32)
         rows = np.flatnonzero(array.any(axis=1)).astype(np.uint32)
         facts = {"componentType": 5126, "count": len(array), "type": "VEC3"} | _bounds(array)
         if len(rows):
             facts["sparse"] = {
                 "count": len(rows),
-                "indices": {"bufferView": view(rows), "componentType": 5125},
-                "values": {"bufferView": view(array[rows])},
+                "indices": {"bufferView": self.view(rows), "componentType": 5125},
+                "values": {"bufferView": self.view(array[rows])},
             }
-        return accessor(facts)
+        return self.accessor(facts)
 
+    def mesh(self, name: str, shapes: Shapes) -> dict:
+        points, triangles = shapes.points.astype(np.float32), shapes.triangles.astype(np.uint32)
+        place = {"bufferView": self.view(points), "componentType": 5126, "count": len(points), "type": "VEC3"}
+        corners = {"bufferView": self.view(triangles), "componentType": 5125, "count": triangles.size, "type": "SCALAR"}
+        primitive = {
+            "attributes": {"POSITION": self.accessor(place | _bounds(points))},
+            "indices": self.accessor(corners),
+        }
+        mesh: dict = {"name": name, "primitives": [primitive]}
+        if shapes.targets:
+            primitive["targets"] = [{"POSITION": self.offsets(moved)} for _, moved, _ in shapes.targets]
+            mesh["weights"] = [float(weight) for _, _, weight in shapes.targets]
+            mesh["extras"] = {"targetNames": [name for name, _, _ in shapes.targets]}
+        return mesh
+
+
+def write_head(path: str | Path, nodes: Sequence[Node]) -> None:
+    """Write nodes as a GLB."""
+    buffer, meshes, out = _Buffer(), [], []
     for node in nodes:
         facts = {
             "name": node.name,
@@ -71,29 +93,18 @@ def write_head(path: str | Path, nodes: Sequence[Node]) -> None:
             "rotation": list(map(float, node.turn)),
         }
         if node.shapes is not None:
-            points, triangles = node.shapes.points.astype(np.float32), node.shapes.triangles.astype(np.uint32)
-            place = {"bufferView": view(points), "componentType": 5126, "count": len(points), "type": "VEC3"}
-            corners = {"bufferView": view(triangles), "componentType": 5125, "count": triangles.size, "type": "SCALAR"}
-            primitive = {
-                "attributes": {"POSITION": accessor(place | _bounds(points))},
-                "indices": accessor(corners),
-            }
-            mesh: dict = {"name": node.name, "primitives": [primitive]}
-            if node.shapes.targets:
-                primitive["targets"] = [{"POSITION": offsets(moved)} for _, moved, _ in node.shapes.targets]
-                mesh["weights"] = [float(weight) for _, _, weight in node.shapes.targets]
-                mesh["extras"] = {"targetNames": [name for name, _, _ in node.shapes.targets]}
-            meshes.append(mesh)
+            meshes.append(buffer.mesh(node.name, node.shapes))
             facts["mesh"] = len(meshes) - 1
         out.append(facts)
+    data = buffer.data
     document = {
         "asset": {"version": "2.0", "generator": "mien for Blender"},
         "scene": 0,
         "scenes": [{"nodes": list(range(len(out)))}],
         "nodes": out,
         "meshes": meshes,
-        "accessors": accessors,
-        "bufferViews": views,
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(data)}],
     }
     joints = [number for number, node in enumerate(nodes) if node.joint]
