@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mien.core.emotions import emotions
 from mien.core.errors import InputError
 from mien.motion.alive.idle import HandMadeIdle
 from tests.utterances import utterance
@@ -158,6 +159,30 @@ main(["emotions"])
     printed = run(code, MIEN_TABLES=str(tables))
     assert printed.startswith("BORED")
     assert "bored:0.6" in printed
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "said"),
+    [
+        ("AU41 = [0.6, 0.05]", "AU99 = [1, 1]", "AU99"),
+        ("AU41 = [0.6, 0.05]", "AU41 = 0.6", "units.AU41 is two numbers"),
+        ("arousal = 0.1", 'arousal = "low"', "arousal is a number"),
+        ("episodes = [4.0, 0.1]", "episodes = [4.0]", "episodes is two numbers"),
+        ("headPitch", "neckPitch", "neckPitch"),
+        ("lean = 0.0", "", "needs lean too"),
+        ("blinks = 0.7", "blinks = nan", "manner.blinks is a number"),
+    ],
+)
+def test_an_emotion_that_is_none_is_refused_by_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, was: str, now: str, said: str
+) -> None:
+    table = tmp_path / "performance/emotions/bored.toml"
+    table.parent.mkdir(parents=True)
+    table.write_text(BORED.replace(was, now))
+    monkeypatch.setenv("MIEN_TABLES", str(tmp_path))
+    with pytest.raises(InputError, match=said) as caught:
+        emotions.__wrapped__()
+    assert "bored.toml" in str(caught.value)
 
 
 def test_a_language_is_one_table(tables: Path) -> None:

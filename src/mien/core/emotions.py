@@ -6,12 +6,16 @@ read stands in ``assets/performance/emotions.toml``. Whatever is done in an emot
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from mien.core.assets import asset, asset_table, assets_in
-from mien.core.errors import InputError
+from mien.core.channels import HEAD
+from mien.core.errors import InputError, unknown_name
+from mien.core.facs import action_units
 
 __all__ = ["EMOTION_FOLDER", "emotion_sources", "emotion_table", "emotions"]
 
@@ -37,9 +41,7 @@ def emotions() -> Mapping[str, Mapping[str, Any]]:
     """
     found = {name: asset_table(f"{EMOTION_FOLDER}/{name}.toml") for name in assets_in(EMOTION_FOLDER)}
     for name, table in found.items():
-        missing = [key for key in _NEEDED if key not in table]
-        if missing:
-            raise InputError(f"{asset(f'{EMOTION_FOLDER}/{name}.toml')}: an emotion needs {', '.join(missing)} too")
+        _check(asset(f"{EMOTION_FOLDER}/{name}.toml"), table)
     return found
 
 
@@ -51,3 +53,28 @@ def emotion_table() -> dict[str, Any]:
 def emotion_sources() -> tuple[str, ...]:
     """Files of ``assets`` that hold the emotions, for digests."""
     return ("performance/emotions.toml", *(f"{EMOTION_FOLDER}/{name}.toml" for name in emotions()))
+
+
+def _check(path: Path, table: Mapping[str, Any]) -> None:
+    """Refuse what would be stumbled over later: missing parts, unknown units, values of another kind."""
+    missing = [key for key in _NEEDED if key not in table]
+    if missing:
+        raise InputError(f"{path}: an emotion needs {', '.join(missing)} too")
+    numbers: list[tuple[str, Any, int]] = [("arousal", table["arousal"], 1), ("lean", table["lean"], 1)]
+    numbers += [("effort", table.get("effort", 1.0), 1), ("episodes", table["episodes"], 2)]
+    for section in ("head", "units", "spoken", "voice", "manner"):
+        entries = table.get(section, {})
+        if not isinstance(entries, dict):
+            raise InputError(f"{path}: {section} is a table, not {entries!r}")
+        known = {"head": HEAD, "units": action_units(), "spoken": action_units()}.get(section)
+        for key, value in entries.items():
+            bare = key.rstrip("LR") if section in ("units", "spoken") else key
+            if known is not None and bare not in known:
+                raise unknown_name(f"entry of {section} in {path}", key, known)
+            numbers.append((f"{section}.{key}", value, 2 if section == "units" else 1))
+    for what, value, count in numbers:
+        parts = value if isinstance(value, list) else [value]
+        if len(parts) != count or not all(type(part) in (int, float) and math.isfinite(part) for part in parts):
+            raise InputError(
+                f"{path}: {what} is {'a number' if count == 1 else 'two numbers in brackets'}, not {value!r}"
+            )
