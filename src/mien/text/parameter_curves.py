@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError, unknown_name
 from mien.text.face_parameters import face_parameter
+from mien.text.key_tangents import check_tangents, through_tangents
 
 __all__ = ["INTERPOLATIONS", "MODES", "ParameterCurve", "lay_over"]
 
@@ -41,6 +42,8 @@ class ParameterCurve:
     fade : float
         Milliseconds before the first and after the last key over which the curve comes and goes, with the value of
         that key. 0: at once.
+    tangents : tuple of str
+        How the curve passes each key (`mien.text.key_tangents`); empty: as ``interpolation`` has it for all.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class ParameterCurve:
     interpolation: str = "linear"
     mode: Literal["add", "set"] = "add"
     fade: float = 0.0
+    tangents: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         face_parameter(self.parameter)
@@ -68,6 +72,7 @@ class ParameterCurve:
             raise unknown_name("mode of a curve", self.mode, MODES)
         if not self.keys:
             raise InputError(f"a curve of {self.parameter} needs at least one key: <key at= value=/>")
+        check_tangents(self.tangents, len(self.keys))
         numbers = [number for key in self.keys for number in key] + [self.fade]
         if not all(math.isfinite(number) for number in numbers) or self.fade < 0:
             raise InputError(f"a curve of {self.parameter} has a time or value that is not a finite number")
@@ -83,6 +88,8 @@ class ParameterCurve:
         """Values at instants, shape (times,); before the first and after the last key the value of that key."""
         at, value = (np.array(column, dtype=np.float64) for column in zip(*self.keys, strict=True))
         now = np.clip(np.round(np.asarray(seconds) * 1000, 6), at[0], at[-1])
+        if self.tangents:
+            return through_tangents(at, value, self.tangents, now)
         return np.full(now.shape, value[0]) if len(at) == 1 else self._between(at, value, now)
 
     def _between(self, at: Floats, value: Floats, now: Floats) -> Floats:

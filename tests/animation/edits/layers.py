@@ -10,6 +10,7 @@ from mien.core import channels
 from mien.core.audio import Audio
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import Utterance
+from mien.text.key_tangents import TANGENTS
 from mien.text.parameter_curves import INTERPOLATIONS
 
 PHONES = ("N", "EH", "V", "ER", "S", "D", "AE", "T")
@@ -56,21 +57,32 @@ def places(draw, utterance: Utterance | None = None, pauses: bool = True):
 
 anchors = st.builds(Anchor, places(), st.floats(0, 1))
 borders = st.builds(BorderEdit, places(), st.sampled_from(["start", "end"]), st.floats(-0.5, 0.5))
-intensities = st.builds(
-    IntensityEdit,
-    st.sampled_from(EMOTIONS),
-    st.lists(st.tuples(anchors, st.floats(0, 1)), min_size=1, max_size=5).map(tuple),
-    st.sampled_from(["linear", "smooth"]),
-)
+tangents = st.none() | st.sampled_from(TANGENTS)
+
+
+@st.composite
+def passed(draw, value):
+    """Points, and how the curve passes them."""
+    points = draw(st.lists(st.tuples(anchors, value), min_size=1, max_size=5))
+    asked = draw(st.just(()) | st.tuples(*(tangents for _ in points)))
+    return tuple(points), asked if any(asked) else ()
+
+
+@st.composite
+def drawn_intensities(draw):
+    points, passing = draw(passed(st.floats(0, 1)))
+    return IntensityEdit(draw(st.sampled_from(EMOTIONS)), points, draw(st.sampled_from(["linear", "smooth"])), passing)
+
+
+intensities = drawn_intensities()
 
 
 @st.composite
 def curves(draw):
     channel, mode = draw(st.sampled_from(channels.ALL)), draw(st.sampled_from(["add", "replace"]))
     least, most = channel_range(channel)
-    value = st.floats(-most if mode == "add" else least, most)
-    keys = draw(st.lists(st.tuples(anchors, value), min_size=1, max_size=5))
-    return ChannelEdit(channel, mode, tuple(keys), draw(st.floats(0, 0.5)), draw(st.sampled_from(INTERPOLATIONS)))
+    keys, passing = draw(passed(st.floats(-most if mode == "add" else least, most)))
+    return ChannelEdit(channel, mode, keys, draw(st.floats(0, 0.5)), draw(st.sampled_from(INTERPOLATIONS)), passing)
 
 
 lines = st.lists(

@@ -45,6 +45,16 @@ def test_what_is_added_is_added_between_the_keys():
     assert column[52:] == pytest.approx(0.5)
 
 
+def test_each_key_has_its_own_tangent():
+    shares = ((Place("never"), 0.0), (Place("never", 1, 2), 0.0), (Place("said"), 0.0), (Place("said", 1, 2), 0.0))
+    keys = tuple((Anchor(*place), value) for place, value in zip(shares, (0.0, 0.8, 0.2, 0.6), strict=True))
+    edit = ChannelEdit("jawOpen", "replace", keys, 0.0, "linear", ("flat", "step", None, "linear"))
+    column = laid(edit)[0].channel("jawOpen")[15:46]  # keys stand at frames 15, 25, 35, 45
+    assert column[1:3] == pytest.approx([0.0224, 0.0832], abs=1e-4)  # rises slowly: it leaves the first key flat
+    assert column[10:20] == pytest.approx(0.8)
+    assert np.diff(column[20:30]) == pytest.approx(0.04)
+
+
 def test_the_head_turns_either_way():
     keys = ((Anchor(Place("i"), 0.0), -20.0), (Anchor(Place("said", 2, 2), 1.0), -20.0))
     base = ChannelTrack(channels.ALL, np.zeros((80, len(channels.ALL))), RATE)

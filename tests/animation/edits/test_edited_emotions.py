@@ -62,3 +62,10 @@ def test_points_at_one_time_are_one():
     twice = IntensityEdit("sad", ((Anchor(Place("i"), 1.0), 0.1), (Anchor(Place("never"), 0.0), 0.7)))
     score, _, _ = laid(Score(), twice)
     assert np.allclose(score.emotions[0].intensity_at(np.array([0.0, 1.0])), 0.7)
+
+
+def test_an_intensity_may_stand_still_and_jump():
+    points = ((Anchor(Place("i"), 0.0), 0.2), (Anchor(Place("said"), 0.0), 0.9))
+    score, _, _ = laid(Score(), IntensityEdit("sad", points, "linear", ("step", None)))
+    at = [0.25, 0.69, 0.71, 1.0]
+    assert np.allclose(score.emotions[0].intensity_at(np.array(at)), [0.2, 0.2, 0.9, 0.9])

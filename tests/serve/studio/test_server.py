@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import time
 import zipfile
 from collections.abc import Iterator
 
@@ -321,3 +322,47 @@ def test_only_the_worker_of_textures_may_make_functions(client: Client) -> None:
     assert "'unsafe-eval'" not in page.headers["content-security-policy"]
     worker = client.ask("GET", "/assets/basis_worker-187.js")
     assert worker.headers["content-security-policy"].startswith("default-src 'none'")
+
+
+def test_the_times_of_a_textgrid_are_taken(client: Client) -> None:
+    name = client.take(text=LINE, fps=30)
+    told = client.ask("GET", f"/api/takes/{name}").json
+    words = [[begin + 0.01, end, label] for begin, end, label in told["words"]]
+    tiers = "".join(
+        f'"IntervalTier" "{tier}" 0 {told["seconds"]} {len(spans)} ' + " ".join(f'{a} {b} "{c}"' for a, b, c in spans)
+        + " " for tier, spans in (("words", words), ("phones", told["phones"]))
+    )  # fmt: skip
+    grid = f'File type = "ooTextFile" Object class = "TextGrid" 0 {told["seconds"]} <exists> 2 {tiers}'.encode()
+    made = client.finished(client.ask("POST", f"/api/takes/{name}/textgrid", grid))
+    now = client.ask("GET", f"/api/takes/{made['take']}").json
+    assert now["words"][0][0] == pytest.approx(words[0][0])
+    assert now["count"] == 2
+    answer = client.ask("POST", f"/api/takes/{name}/textgrid", b"no grid")
+    assert (answer.status, answer.json["field"]) == (400, "sound")
+    assert "not a TextGrid" in answer.json["error"]
+
+
+def test_a_line_that_is_being_written_is_made_ready(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = {"text": "Made while it is typed.", "fps": 30}
+    assert client.ask("POST", "/api/ahead", asked).status == 202
+    shop = client.workshop
+    assert shop._ahead is not None
+    while not shop._ahead[1].over:
+        time.sleep(0.02)
+    assert shop._ahead[1].state == "done"
+
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("the text was spoken again")
+
+    monkeypatch.setattr("mien.serve.studio.workshop.spoken_text", never)
+    assert client.take(**asked)
+    assert len(client.ask("GET", "/api/takes").json["takes"]) < 20
+
+
+def test_who_waits_for_a_job_is_told_once_it_is_farther(client: Client) -> None:
+    job = client.ask("POST", "/api/takes", {"text": LINE, "fps": 30, "seed": 7}).json["job"]
+    seen = []
+    while not seen or seen[-1]["state"] not in ("done", "failed"):
+        seen.append(client.ask("GET", f"/api/jobs/{job}?wait=5").json)
+    assert seen[-1]["state"] == "done"
+    assert len(seen) < 60, "it does not wait"

@@ -13,6 +13,7 @@ from mien.animation.edits.edited_places import Places
 from mien.animation.edits.layer import EditLayer, channel_range
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
+from mien.text.key_tangents import tangents_of
 from mien.text.parameter_curves import ParameterCurve, lay_over
 
 __all__ = ["with_curves"]
@@ -50,12 +51,13 @@ def with_curves(
         if edit.channel not in track.names:
             lost.append(Lost(number, None, f"the animation has no channel {edit.channel!r}"))
             continue
-        points = found_points(number, edit.keys, places, lost)
+        points = found_points(number, edit.keys, places, lost, edit.tangents)
         if points:
-            keys = tuple((time * 1000, value) for time, value in points)
+            keys = tuple((time * 1000, value) for time, value, _ in points)
+            tangents = tangents_of([tangent for *_, tangent in points], edit.interpolation) if edit.tangents else ()
             mode: Literal["set", "add"] = "set" if edit.mode == "replace" else "add"
             fade = edit.fade * 1000 if edit.fade >= _SHORTEST_FADE else 0.0
-            curves.append(ParameterCurve(edit.channel, keys, edit.interpolation, mode, fade))
+            curves.append(ParameterCurve(edit.channel, keys, edit.interpolation, mode, fade, tangents))
     if not curves:
         return track, tuple(lost), {}
     values = lay_over(track.values, track.names, curves, track.rate.times(len(track)))

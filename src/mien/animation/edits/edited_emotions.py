@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mien.animation.edits.applied import Lost
 from mien.animation.edits.edited_places import Gone, Places
@@ -11,11 +15,16 @@ from mien.animation.edits.layer import EditLayer, IntensityEdit, Points
 from mien.core.errors import Note
 from mien.core.utterance import Utterance
 from mien.text.intensity import IntensityCurve
+from mien.text.key_tangents import tangents_of, through_tangents
 from mien.text.score import EmotionSpan, Score
 
 __all__ = ["asked_emotions", "found_points", "with_intensities"]
 
+Found = tuple[float, float, str | None]
+Floats = NDArray[np.float64]
 _NEUTRAL = "neutral"
+_LIKE = {"linear": "linear", "smooth": "spline"}
+_PIECES = 12
 _NEAREST = 1e-3
 """Seconds between two points of a curve; of nearer ones the later in the layer holds."""
 
@@ -59,7 +68,7 @@ def with_intensities(
             why = "is not asked for any more" if emotion is None else "is not among the emotions that can be shown here"
             lost.append(Lost(number, None, f"{emotion or edit.emotion!r} {why}"))
             continue
-        points = found_points(number, edit.points, places, lost)
+        points = found_points(number, edit.points, places, lost, edit.tangents)
         if points:
             drawn[emotion] = _curve(points, edit)
             if emotion != edit.emotion:
@@ -80,13 +89,15 @@ def _now(edit: IntensityEdit, layer: EditLayer, asked: tuple[str, ...]) -> str |
     return asked[0] if len(then) == len(asked) == 1 and asked[0] != _NEUTRAL else None
 
 
-def found_points(number: int, points: Points, places: Places, lost: list[Lost]) -> list[tuple[float, float]]:
-    """Seconds and values of the points of an edit, in order of time; those that are gone are added to ``lost``."""
-    found: list[tuple[float, float]] = []
+def found_points(
+    number: int, points: Points, places: Places, lost: list[Lost], tangents: tuple[str | None, ...]
+) -> list[Found]:
+    """Seconds, values and tangents of an edit's points, in order of time; those that are gone are added to ``lost``."""
+    found: list[Found] = []
     gone: list[Lost] = []
     for place, (anchor, value) in enumerate(points):
         try:
-            found.append((places.seconds(anchor), value))
+            found.append((places.seconds(anchor), value, tangents[place] if tangents else None))
         except Gone as problem:
             gone.append(Lost(number, place, str(problem)))
     if not found:
@@ -95,13 +106,25 @@ def found_points(number: int, points: Points, places: Places, lost: list[Lost]) 
     return sorted(found, key=lambda point: point[0])
 
 
-def _curve(points: Sequence[tuple[float, float]], edit: IntensityEdit) -> IntensityCurve | float:
-    apart: list[tuple[float, float]] = []
-    for time, value in points:
+def _curve(points: Sequence[Found], edit: IntensityEdit) -> IntensityCurve | float:
+    apart: list[Found] = []
+    for time, value, tangent in points:
         if apart and time - apart[-1][0] < _NEAREST:
-            apart[-1] = (apart[-1][0], value)
-        else:
-            apart.append((time, value))
+            time = apart.pop()[0]
+        apart.append((time, value, tangent))
     if len(apart) == 1:
         return apart[0][1]
-    return IntensityCurve(tuple(time for time, _ in apart), tuple(value for _, value in apart), edit.interpolation)
+    times, values, tangents = zip(*apart, strict=True)
+    if edit.tangents:
+        return _drawn(np.array(times), np.array(values), tangents_of(tangents, _LIKE[edit.interpolation]))
+    return IntensityCurve(times, values, edit.interpolation)
+
+
+def _drawn(times: Floats, values: Floats, tangents: Sequence[str]) -> IntensityCurve:
+    """A curve through points with tangents, as straight lines between many; a step takes a millisecond."""
+    moments = np.unique(
+        np.concatenate([*(np.linspace(a, b, _PIECES + 1) for a, b in pairwise(times)), times[1:] - _NEAREST])
+    )
+    moments = moments[np.diff(moments, prepend=-np.inf) > _NEAREST / 2]
+    drawn = np.clip(through_tangents(times, values, tangents, moments), 0.0, 1.0)
+    return IntensityCurve(tuple(moments.tolist()), tuple(drawn.tolist()), "linear")

@@ -10,6 +10,7 @@ from mien.animation.edits.edited_line import Line
 from mien.core import channels
 from mien.core.errors import InputError, unknown_name
 from mien.text.intensity import checked_intensity
+from mien.text.key_tangents import check_tangents
 from mien.text.parameter_curves import INTERPOLATIONS
 
 __all__ = [
@@ -126,13 +127,17 @@ class IntensityEdit:
         Intensities 0..1; the first and the last are held outwards.
     interpolation : {"linear", "smooth"}
         Between the points: straight lines, or a monotone cubic.
+    tangents : tuple of str or None
+        How the curve passes each point (`mien.text.key_tangents`); None, or empty: as ``interpolation`` has it.
     """
 
     emotion: str
     points: Points
     interpolation: Literal["linear", "smooth"] = "linear"
+    tangents: tuple[str | None, ...] = ()
 
     def __post_init__(self) -> None:
+        check_tangents(self.tangents, len(self.points))
         if not self.emotion or not self.points:
             raise InputError("an edit of an intensity names its emotion and has at least one point")
         if self.interpolation not in ("linear", "smooth"):
@@ -157,6 +162,8 @@ class ChannelEdit:
         Seconds before the first and after the last key over which it comes and goes.
     interpolation : {"smooth", "linear", "spline", "hold"}
         As of `mien.text.parameter_curves.ParameterCurve`.
+    tangents : tuple of str or None
+        As of `IntensityEdit`.
     """
 
     channel: str
@@ -164,8 +171,10 @@ class ChannelEdit:
     keys: Points
     fade: float = 0.1
     interpolation: str = "smooth"
+    tangents: tuple[str | None, ...] = ()
 
     def __post_init__(self) -> None:
+        check_tangents(self.tangents, len(self.keys))
         if self.channel not in channels.ALL:
             raise unknown_name("channel", self.channel, channels.ALL)
         if self.mode not in ("add", "replace"):

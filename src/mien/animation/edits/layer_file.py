@@ -14,6 +14,7 @@ from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.plain_text import read_plain_text
+from mien.text.key_tangents import TANGENTS
 
 __all__ = ["FORMAT", "VERSION", "layer_of", "plain_layer", "plain_line", "read_layer", "write_layer"]
 
@@ -84,7 +85,7 @@ def _plain_edit(edit: Edit) -> dict[str, Any]:
     if isinstance(edit, BorderEdit):
         return {"kind": "border", "phone": _plain_place(edit.phone), "edge": edit.edge, "shift": edit.shift}
     if isinstance(edit, IntensityEdit):
-        points = _plain_points(edit.points)
+        points = _plain_points(edit.points, edit.tangents)
         return {"kind": "intensity", "emotion": edit.emotion, "interpolation": edit.interpolation, "points": points}
     return {
         "kind": "channel",
@@ -92,7 +93,7 @@ def _plain_edit(edit: Edit) -> dict[str, Any]:
         "mode": edit.mode,
         "fade": edit.fade,
         "interpolation": edit.interpolation,
-        "keys": _plain_points(edit.keys),
+        "keys": _plain_points(edit.keys, edit.tangents),
     }
 
 
@@ -101,8 +102,13 @@ def _plain_place(place: Place) -> dict[str, Any]:
     return {"word": place.word, **({} if place.word is None else {"occurrence": place.occurrence}), **number}
 
 
-def _plain_points(points: Points) -> list[dict[str, Any]]:
-    return [{"anchor": {**_plain_place(a.place), "share": a.share}, "value": value} for a, value in points]
+def _plain_points(points: Points, tangents: tuple[str | None, ...]) -> list[dict[str, Any]]:
+    told: list[dict[str, Any]] = [
+        {"anchor": {**_plain_place(a.place), "share": a.share}, "value": value} for a, value in points
+    ]
+    for point, tangent in zip(told, tangents, strict=False):  # empty: none has one
+        point |= {} if tangent is None else {"tangent": tangent}
+    return told
 
 
 # ---------------------------------------------------------------- reading
@@ -156,7 +162,8 @@ def _border(node: _Node) -> Edit:
 def _intensity(node: _Node) -> Edit:
     node.only("kind", "emotion", "interpolation", "points")
     how = node.get("interpolation").text() if node.holds("interpolation") else "linear"
-    return node.made(IntensityEdit, node.get("emotion").text(), _points(node.get("points")), how)
+    points = node.get("points")
+    return node.made(IntensityEdit, node.get("emotion").text(), _points(points), how, _tangents(points))
 
 
 def _channel(node: _Node) -> Edit:
@@ -164,7 +171,8 @@ def _channel(node: _Node) -> Edit:
     fade = node.get("fade").number() if node.holds("fade") else 0.1
     how = node.get("interpolation").text() if node.holds("interpolation") else "smooth"
     mode = node.get("mode").one_of("add", "replace")
-    return node.made(ChannelEdit, node.get("channel").text(), mode, _points(node.get("keys")), fade, how)
+    keys = node.get("keys")
+    return node.made(ChannelEdit, node.get("channel").text(), mode, _points(keys), fade, how, _tangents(keys))
 
 
 _KINDS: dict[str, Callable[[_Node], Edit]] = {"border": _border, "intensity": _intensity, "channel": _channel}
@@ -174,8 +182,13 @@ def _points(node: _Node) -> Points:
     return tuple(_point(point) for point in node.items())
 
 
+def _tangents(node: _Node) -> tuple[str | None, ...]:
+    found = tuple(p.get("tangent").one_of(*TANGENTS) if p.holds("tangent") else None for p in node.items())
+    return found if any(found) else ()
+
+
 def _point(node: _Node) -> tuple[Anchor, float]:
-    node.only("anchor", "value")
+    node.only("anchor", "value", "tangent")
     anchor = node.get("anchor")
     share = anchor.get("share").number() if anchor.holds("share") else 0.0
     return anchor.made(Anchor, _place(anchor, ("share",)), share), node.get("value").number()

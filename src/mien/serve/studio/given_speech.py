@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +12,7 @@ from mien.core.utterance import Utterance
 from mien.serve.studio.field_error import FieldError
 from mien.speech.given_times import spoken_as_given
 
-__all__ = ["GivenTimes", "as_corrected"]
+__all__ = ["GivenTimes", "as_corrected", "times_of_tiers"]
 
 Spans = tuple[tuple[float, float, str], ...]
 _MOST = 5000
@@ -86,3 +87,19 @@ def as_corrected(utterance: Utterance, times: GivenTimes) -> Utterance:
     except InputError as problem:
         raise FieldError("times", str(problem)) from problem
     return replace(given, text=utterance.text, language=utterance.language, notes=(*utterance.notes, *given.notes))
+
+
+def times_of_tiers(utterance: Utterance, tiers: Sequence[Tier], language: str | None) -> dict[str, Any]:
+    """The words and phones of a TextGrid, as `GivenTimes.of` reads them.
+
+    Raises
+    ------
+    FieldError
+        If they are not those of this sound.
+    """
+    try:
+        given = spoken_as_given(utterance.audio, tiers, language=language)
+    except InputError as problem:
+        raise FieldError("sound", f"the TextGrid does not fit: {problem}") from problem
+    found = {"words": given.words, "phones": given.spelled_phones}
+    return {name: [[one.start, one.end, one.label] for one in tier] for name, tier in found.items()}

@@ -132,6 +132,11 @@ class JobPool:
             self._queue.put((job, work))
         return name
 
+    @property
+    def open(self) -> int:
+        """How many run or wait."""
+        return self._open
+
     def get(self, name: str) -> Job:
         """The job of an id; raises `mien.serve.studio.lru_store.Missing`."""
         return self._jobs.get(name)

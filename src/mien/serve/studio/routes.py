@@ -9,9 +9,12 @@ from urllib.parse import quote
 from aiohttp import web
 
 from mien.animation.edits import plain_layer
+from mien.core.errors import InputError
+from mien.formats.textgrid import read_textgrid
 from mien.serve.studio.about import about
 from mien.serve.studio.access import HEADERS
 from mien.serve.studio.bodies import read_bytes, read_form, read_json
+from mien.serve.studio.lru_store import new_id
 from mien.serve.studio.packing import packed
 from mien.serve.studio.page import MISSING, load_page, media_type
 from mien.serve.studio.requests import FieldError, TakeRequest, checked_layer
@@ -25,6 +28,7 @@ __all__ = ["Routes"]
 
 _PIECE = 2**18
 _MOST_ADDED = 64
+_LONGEST_WAIT, _LOOK = 5.0, 0.02  # seconds
 
 
 class Routes:
@@ -68,6 +72,8 @@ class Routes:
                 web.put("/api/takes/{id}/layer", self.edit),
                 web.post("/api/takes/{id}/redo", self.redo),
                 web.post("/api/takes/{id}/export", self.export),
+                web.post("/api/takes/{id}/textgrid", self.textgrid),
+                web.post("/api/ahead", self.ahead),
                 web.get("/api/jobs/{id}", self.job),
                 web.delete("/api/jobs/{id}", self.cancel),
                 web.get("/api/files/{id}/{name}", self.file),
@@ -241,6 +247,24 @@ class Routes:
             return _accepted(self.shop.start_redo(name, fields, sound))
         return _accepted(self.shop.start_redo(name, await read_json(request, self.limits)))
 
+    async def textgrid(self, request: web.Request) -> web.Response:
+        """Perform the line with the words and phones of a TextGrid, the body."""
+        content, path = await read_bytes(request, self.limits, self.limits.json_bytes), self.shop.folder / new_id()
+        try:
+            await asyncio.to_thread(path.write_bytes, content)
+            tiers = await asyncio.to_thread(read_textgrid, path)
+        except InputError as problem:
+            raise FieldError("sound", str(problem).replace(str(path), "the file")) from problem
+        finally:
+            path.unlink(missing_ok=True)
+        return _accepted(await asyncio.to_thread(self.shop.start_times, request.match_info["id"], tiers))
+
+    async def ahead(self, request: web.Request) -> web.Response:
+        """Make ready what is being written, if nothing else is being made."""
+        asked = TakeRequest.of(await read_json(request, self.limits), self.limits)
+        await asyncio.to_thread(self.shop.ahead, asked)
+        return web.json_response({}, status=202)
+
     async def export(self, request: web.Request) -> web.Response:
         """Write the take into files."""
         name = request.match_info["id"]
@@ -251,8 +275,16 @@ class Routes:
     # ------------------------------------------------------------ jobs and files
 
     async def job(self, request: web.Request) -> web.Response:
-        """How far a job is."""
-        return web.json_response(self.shop.jobs.get(request.match_info["id"]).plain())
+        """How far a job is; with ``?wait=SECONDS`` as soon as it is farther, or after that time."""
+        job, clock = self.shop.jobs.get(request.match_info["id"]), asyncio.get_running_loop()
+        try:
+            wait = min(float(request.query.get("wait", 0)), _LONGEST_WAIT)
+        except ValueError as problem:
+            raise FieldError("wait", "expected seconds") from problem
+        before, until = job.plain(), clock.time() + wait
+        while not job.over and job.plain() == before and clock.time() < until:
+            await asyncio.sleep(_LOOK)
+        return web.json_response(job.plain())
 
     async def cancel(self, request: web.Request) -> web.Response:
         """Cancel a job."""

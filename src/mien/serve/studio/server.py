@@ -14,6 +14,7 @@ from mien.core.errors import MienError, OutputError
 from mien.serve.studio.access import HEADERS, Gate
 from mien.serve.studio.bodies import TooLarge
 from mien.serve.studio.jobs import Busy
+from mien.serve.studio.live_routes import LiveRoutes
 from mien.serve.studio.lru_store import Missing
 from mien.serve.studio.owner_watch import Watch
 from mien.serve.studio.project_routes import ProjectRoutes
@@ -50,6 +51,7 @@ def application(settings: StudioSettings, workshop: Workshop) -> web.Application
     Routes(workshop).add_to(app)
     RigRoutes(workshop).add_to(app)
     ProjectRoutes(workshop).add_to(app)
+    LiveRoutes(workshop).add_to(app)
     return app
 
 

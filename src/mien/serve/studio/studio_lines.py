@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 _LONG = 16
 """Words; a shorter text is made at once."""
+_FIRST, _LEAST = 12, 4
+"""Words of a first beginning: at most, where a comma allows it, and at least."""
+_TAG = re.compile(r"<[^<>]*>|\[[^\][\n]{1,40}\]|\{[^{}]*\}")
 _WORDS_PER_SECOND = 4.0
 """Nobody speaks many more, so a text of more words than this makes more sound than is taken."""
 
@@ -48,25 +51,51 @@ def checked_script(text: str, language: str | None, limits: Limits) -> Script:
 
 
 def beginnings_of(text: str) -> tuple[str, ...]:
-    """Beginnings of a long plain text, by whole sentences, each about three times the one before; () of a short one.
+    """Beginnings of a long text, by whole sentences, each about twice the one before; () of a short one.
+
+    A tag that is open where a beginning ends is closed there. The first beginning of a text whose first sentence is
+    long ends at a comma of it.
 
     Examples
     --------
     >>> [len(beginning.split()) for beginning in beginnings_of("Well. " + "I never said that. " * 9)]
-    [1, 5, 17]
+    [1, 5, 13]
+    >>> beginnings_of("<angry>Stop it. " + "I never said that. " * 5 + "</angry>")
+    ('<angry>Stop it.</angry>', '<angry>Stop it. I never said that.</angry>')
     >>> beginnings_of("I never said that.")
     ()
     """
-    if any(sign in text for sign in "<[{"):  # what is asked for in the text may run over several sentences
+    plain = _TAG.sub(lambda tag: "\0" * len(tag[0]), text)  # as long as the text, without what is in tags
+
+    def words(end: int) -> int:
+        return len(plain[:end].replace("\0", "").split())
+
+    total, found, least = words(len(text)), list[str](), 1
+    if total <= _LONG:
         return ()
-    ends = [match.end(1) for match in re.finditer(r"([.!?…]+[\"'”’)]*)\s+(?=\S)", text)]
-    words = [len(text[:end].split()) for end in ends]
-    total, found, least = len(text.split()), list[str](), 1
-    for end, count in zip(ends, words, strict=True):
-        if count >= least and 2 * count < total and total > _LONG:
-            found.append(text[:end])
-            least = 3 * count
+    ends = [match.end(1) for match in re.finditer(r"([.!?…。！？]+[\"'”’)]*)(?=[\s\0]+\S)", plain)]
+    if not ends or words(ends[0]) > _FIRST:
+        commas = (match.end() for match in re.finditer(r"[,;:—–](?=[\s\0])", plain))
+        ends = [*(end for end in commas if _LEAST <= words(end) <= _FIRST)][-1:] + ends
+    for end in ends:
+        if words(end) >= least and 2 * words(end) < total:
+            found.append(text[:end] + _closing(text[:end], text[end:]))
+            least = 2 * words(end)
     return tuple(found)
+
+
+def _closing(begun: str, rest: str) -> str:
+    """The closing tags of what is open at the end of a beginning, and closed in the rest."""
+    open_tags = list[str]()
+    for tag in _TAG.findall(begun):
+        name = re.match(r"</?([A-Za-z][\w:.-]*)", tag)
+        if name is None or tag.endswith("/>"):
+            continue
+        if not tag.startswith("</"):
+            open_tags.append(name[1])
+        elif name[1] in open_tags:
+            del open_tags[len(open_tags) - 1 - open_tags[::-1].index(name[1]) :]
+    return "".join(f"</{name}>" for name in reversed(open_tags) if f"</{name}" in rest)
 
 
 def named(take: Take) -> str:

@@ -24,6 +24,7 @@ from mien.animation.edits.edited_emotions import asked_emotions
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.progress import listening
+from mien.core.timeline import Tier
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
 from mien.motion.alive.visual_prosody import HandMadeProsody
@@ -35,7 +36,7 @@ from mien.pipeline.options import prepared, score_with_voice, with_heard_effort
 from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
 from mien.serve.studio.expressions import expressions_of
-from mien.serve.studio.given_speech import as_corrected
+from mien.serve.studio.given_speech import as_corrected, times_of_tiers
 from mien.serve.studio.jobs import Job, JobPool
 from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, sweep
 from mien.serve.studio.lru_store import Kept
@@ -100,6 +101,8 @@ class Workshop:
         self._performers: dict[tuple[str, str | None], Performer] = {}
         self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
         self._voice = RememberingVoice(kept / "speech")
+        self._making: dict[str, RLock] = {}
+        self._ahead: tuple[TakeRequest, Job] | None = None
         self._lock, self._waking = RLock(), RLock()
 
     def close(self) -> bool:
@@ -144,6 +147,31 @@ class Workshop:
             return {"take": name}
 
         return self.jobs.start(work)
+
+    def start_times(self, name: str, tiers: Sequence[Tier]) -> str:
+        """Queue a take's performance with the words and phones of a TextGrid: its next step."""
+        basis = self.take(name).basis
+        utterance = basis.spoken.utterance
+        return self.start_redo(name, {"times": times_of_tiers(utterance, tiers, basis.request.language)})
+
+    def ahead(self, request: TakeRequest) -> None:
+        """Speak and perform what is being written (of a long text its beginning), unless something else is being made.
+
+        What is said and how the mouth moves is remembered, so that the line is there soon once it is asked for.
+        """
+        if self._ahead is not None:
+            if self._ahead[0] == request:
+                return
+            self._ahead[1].cancel()
+        if self.jobs.open > 1:
+            return
+
+        def work(job: Job) -> dict[str, Any]:
+            for text in (*beginnings_of(request.text)[:2], request.text)[:2]:
+                self.perform(replace(request, text=text), None, job)
+            return {}
+
+        self._ahead = request, self.jobs.get(self.jobs.start(work))
 
     def start_take(self, request: TakeRequest, sound: Audio | None = None, notes: tuple[Note, ...] = ()) -> str:
         """Queue a new take; returns the job's id. ``notes`` are what is known of the sound."""
@@ -403,11 +431,17 @@ class Workshop:
         return self._remembered(repr((*asked, *felt)), lambda: self._spoken_now(request, source, performer, score))
 
     def _remembered(self, key: str, make: Callable[[], Spoken]) -> Spoken:
-        if key in self._spoken:
-            return self._spoken.get(key)
-        made = make()
-        self._spoken.put(made, name=key)
-        return made
+        """As `make` makes it, once: who asks for the same meanwhile waits for it."""
+        with self._lock:
+            lock = self._making.setdefault(key, RLock())
+        try:
+            with lock:
+                if key not in self._spoken:
+                    self._spoken.put(make(), name=key)
+                return self._spoken.get(key)
+        finally:
+            with self._lock:
+                self._making.pop(key, None)
 
     def _spoken_now(self, request: TakeRequest, source: Source | None, performer: Performer, score: Score) -> Spoken:
         text = checked_script(request.text, request.language, self.limits) if request.text.strip() else None
