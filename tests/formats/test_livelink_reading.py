@@ -151,6 +151,76 @@ def test_missing_columns_are_zero_and_reported(tmp_path: Path) -> None:
     assert "no TongueOut, HeadYaw, HeadPitch, HeadRoll: taken as 0" in messages(notes)
 
 
+def rows_of(path: Path) -> list[list[str]]:
+    return [row.split(",") for row in path.read_text(encoding="utf-8").split("\n") if row]
+
+
+def put(path: Path, rows: list[list[str]]) -> Path:
+    path.write_text("\n".join(",".join(row) for row in rows), encoding="utf-8")
+    return path
+
+
+JAW = COLUMNS.index("JawOpen")
+ROLL = COLUMNS.index("HeadRoll")
+
+
+@pytest.fixture
+def forty(tmp_path: Path) -> Path:
+    return write(tmp_path / "a.csv", [timecode(f, 30) for f in range(40)], [f / 40 for f in range(40)], HeadRoll=0.1)
+
+
+def changed(name: str, rows: list[list[str]]) -> list[list[str]]:
+    match name:
+        case "no count":
+            return [[row[0], "0" if row[0] != "Timecode" else row[2], *row[3:]] for row in rows]
+        case "sides":
+            return [[cell.replace("Left", "_L").replace("Right", "_R") for cell in rows[0]], *rows[1:]]
+        case "decimal commas in quotes":
+            return [rows[0], *[[f'"{c.replace(".", ",")}"' if i > 1 else c for i, c in enumerate(r)] for r in rows[1:]]]
+        case "percent signs":
+            return [rows[0], *[[*r[:JAW], f"{100 * float(r[JAW]):.3f}%", *r[JAW + 1 :]] for r in rows[1:]]]
+        case "remark":
+            return [["# take 3", "Jürgen"], *rows]
+        case "clock":
+            return [rows[0], *[[f"00:00:{f / 30:06.3f}", *row[1:]] for f, row in enumerate(rows[1:])]]
+        case "seconds":
+            return [rows[0], *[[f"{7 + f / 30:.4f}", *row[1:]] for f, row in enumerate(rows[1:])]]
+    raise AssertionError(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["no count", "sides", "decimal commas in quotes", "percent signs", "remark", "clock", "seconds"]
+)
+def test_as_other_programs_write_it(forty: Path, name: str) -> None:
+    track, notes = read_livelink(put(forty, changed(name, rows_of(forty))))
+    assert track.rate == FrameRate.of(30)
+    np.testing.assert_allclose(track.channel("jawOpen"), np.arange(40) / 40, atol=1e-5)
+    assert "filled" not in messages(notes)
+
+
+def test_single_empty_cells_are_filled_and_an_empty_column_is_zero(forty: Path) -> None:
+    rows = rows_of(forty)
+    for row in rows[10:13]:
+        row[JAW] = ""
+    for row in rows[1:]:
+        row[ROLL] = ""
+    track, notes = read_livelink(put(forty, rows))
+    np.testing.assert_allclose(track.channel("jawOpen"), np.arange(40) / 40, atol=1e-5)
+    assert not track.channel("headRoll").any()
+    assert "no HeadRoll: taken as 0" in messages(notes)
+    assert "3 frames have empty cells: filled" in messages(notes)
+
+
+def test_a_header_alone_and_numbered_frames_are_told(forty: Path) -> None:
+    rows = rows_of(forty)
+    numbered = [rows[0], *[[str(f), *row[1:]] for f, row in enumerate(rows[1:])]]
+    with pytest.raises(InputError, match=r"line 2: expected a timecode .* got '0': give the rate \(--fps\)"):
+        read_livelink(put(forty, numbered))
+    assert len(read_livelink(forty, FrameRate.of(30))[0]) == 40
+    with pytest.raises(InputError, match="has a header and no frames"):
+        read_livelink(put(forty, rows[:1]))
+
+
 def test_time_that_runs_back_or_leaps_is_refused(tmp_path: Path) -> None:
     back = [timecode(f, 30) for f in [*range(40), *range(20, 40)]]
     with pytest.raises(InputError, match="line 42: the timecode goes back"):

@@ -6,7 +6,8 @@ in radians about ARKit's axes of the face (x to the speaker's left, y up, z forw
 yaw > 0 turns to the speaker's left, pitch > 0 looks down, roll > 0 tips towards the speaker's right shoulder.
 
 When reading, time comes from the timecode: hours, minutes, seconds, ticks (and thousandths of a tick). From it follow
-the frame rate (29.97 and 59.94 too, drop-frame counting included) and the frames that are missing.
+the frame rate (29.97 and 59.94 too, drop-frame counting included) and the frames that are missing. Other programs write
+seconds instead (``12.0333``, ``00:00:12.033``).
 """
 
 from __future__ import annotations
@@ -54,6 +55,10 @@ _INNER_BROWS = ("browInnerUpLeft", "browInnerUpRight")
 _SIDES_APART = 0.02
 
 _TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
+_CLOCK = re.compile(r"(?:(\d{1,3}):(\d{1,2}):)?(\d{1,9})[.,](\d{1,9})", re.ASCII)
+_THOUSANDTHS = 1000
+_SIDE = re.compile(r"[_.]?(left|right|[lr])$")
+_COUNT_COLUMN = "blendshapecount"
 _PLAIN_NUMBER = re.compile(r"[-+]?\d{1,6}(?:\.\d{0,20})?", re.ASCII)
 _DAY = 24 * 3600
 _USUAL = 30  # frames a second of what mien writes and of the app
@@ -69,9 +74,10 @@ Floats = NDArray[np.float64]
 def read_livelink(path: str | Path, rate: FrameRate | None = None) -> tuple[ChannelTrack, tuple[Note, ...]]:
     """Read a recording of Live Link Face, or a file of `write_livelink`.
 
-    Columns may be separated by commas, semicolons (then numbers may have decimal commas) or tabs. Weights in percent
-    and angles in degrees are recognised by their size. Frames that are missing by the timecode, or in which the app
-    lost the face (count 0, empty cells), are filled in a straight line between their neighbours.
+    Columns may be separated by commas, semicolons or tabs; numbers may have decimal commas (between commas in quotes)
+    and percent signs; sides may be ``_L`` and ``_R``. Weights in percent and angles in degrees are recognised by their
+    size. Frames that are missing by the timecode, frames in which the app lost the face (count 0, no numbers) and
+    empty cells are filled in a straight line between their neighbours; a column without numbers is 0.
 
     Parameters
     ----------
@@ -97,11 +103,10 @@ def read_livelink(path: str | Path, rate: FrameRate | None = None) -> tuple[Chan
     path = Path(path)
     with reading(path, "a Live Link Face CSV"):
         table = _table(path)
-        motion, lost = _numbers(path, table)
-        motion = _in_our_units(path, motion, table)
+        motion = _in_our_units(path, _numbers(path, table), table)
         codes = [row[table.places[0]] if len(row) > table.places[0] else "" for row in table.rows]
         rate, places = _times(path, codes, table.lines, rate, table.notes)
-        motion = _filled(path, motion, places, lost, rate, table.notes)
+        motion = _filled(path, motion, places, rate, table.notes)
         return ChannelTrack(ARKIT + HEAD, motion, rate), tuple(table.notes)
 
 
@@ -113,61 +118,76 @@ class _Table:
     lines: list[int]
     header: list[str]
     places: list[int]
-    decimal_comma: bool
+    count: int
     notes: list[Note] = field(default_factory=list)
 
 
 def _table(path: Path) -> _Table:
     read = read_rows(path, "a Live Link Face CSV")
-    numbered = read.rows
-    header = [name.lower() for name in numbered[0][1]] if numbered else []
+    numbered = [(line, row) for line, row in read.rows if not row[0].startswith("#")]
+    header = [_column_name(name) for name in numbered[0][1]] if numbered else []
     wanted = ("Timecode", *_WEIGHT_COLUMNS, *_HEAD_COLUMNS)
     missing = [name for name in wanted if name.lower() not in header]
     weights = len(set(_WEIGHT_COLUMNS) - set(missing))
     if weights < _FEWEST_WEIGHTS or any(name in missing for name in _NEEDED):
         raise InputError(f"{path} is not a Live Link Face CSV: it lacks {len(missing)} columns, first {missing[0]!r}")
-    table = _Table(
-        [row for _, row in numbered[1:]],
-        [number for number, _ in numbered[1:]],
-        numbered[0][1],
-        [header.index(name.lower()) if name.lower() in header else -1 for name in wanted],
-        read.mark != ",",
-        list(read.notes),
-    )
+    if len(numbered) == 1:
+        raise InputError(f"{path}: has a header and no frames")
+    rows = [row for _, row in numbered[1:]]
+    places = [header.index(name.lower()) if name.lower() in header else -1 for name in wanted]
+    for name, place in zip(wanted[1:], places[1:], strict=True):
+        if place >= 0 and not any(place < len(row) and row[place] for row in rows):
+            missing.append(name)
+    count = header.index(_COUNT_COLUMN) if _COUNT_COLUMN in header else -1
+    places = [-1 if name in missing else place for name, place in zip(wanted, places, strict=True)]
+    if len(missing) == len(wanted) - 1 and "Timecode" not in missing:
+        raise InputError(f"{path}: the face was lost in all {len(rows)} frames: there is no motion in it")
+    table = _Table(rows, [number for number, _ in numbered[1:]], numbered[0][1], places, count, list(read.notes))
     if missing:
         table.notes.append(Note("warning", f"{path.name} has no {', '.join(missing)}: taken as 0"))
     return table
 
 
-def _numbers(path: Path, table: _Table) -> tuple[Floats, NDArray[np.bool_]]:
-    """Values as they stand, shape (frames, columns), and which frames have none: the face was lost."""
-    places = table.places[1:]
-    motion = np.zeros((len(table.rows), len(places)))
-    lost = np.zeros(len(table.rows), dtype=bool)
+def _column_name(name: str) -> str:
+    """A name in small letters, its side written out: "EyeBlink_L" is "eyeblinkleft"."""
+    name = name.lower()
+    side = _SIDE.search(name)
+    if side is None or name[side.start()] not in "_.":
+        return name
+    return name[: side.start()] + ("left" if side[1][0] == "l" else "right")
+
+
+def _numbers(path: Path, table: _Table) -> Floats:
+    """Values as they stand, shape (frames, columns); NaN where there is none."""
+    places = np.array(table.places[1:])
+    there = [(column, int(place)) for column, place in enumerate(places) if place >= 0]
+    motion = np.full((len(table.rows), len(places)), np.nan)
+    motion[:, places < 0] = 0.0
+    lost = holes = 0
     for frame, (line, row) in enumerate(zip(table.lines, table.rows, strict=True)):
-        cells = [row[place] if 0 <= place < len(row) else None for place in places]
-        said_lost = len(row) > 1 and row[1] == "0"
-        if said_lost or not any(cells):
-            if not said_lost and len(row) < len(table.header) and len(row) > 1:
-                raise InputError(f"{path}, line {line}: expected {len(table.header)} columns, got {len(row)}")
-            lost[frame] = True
-            continue
-        if len(row) <= max(places):
+        said_lost = 0 <= table.count < len(row) and row[table.count] == "0"
+        given = [(column, place) for column, place in there if place < len(row) and row[place]]
+        if not said_lost and 2 < len(row) <= int(places.max()):
             raise InputError(f"{path}, line {line}: expected {len(table.header)} columns, got {len(row)}")
-        if "" in cells:
-            lost[frame] = True
+        if said_lost or not given:
+            motion[frame] = np.nan
+            lost += 1
             continue
-        for column, cell in enumerate(cells):
-            if cell is not None:
-                motion[frame, column] = _number(path, line, table, places[column], cell)
-    if lost.all() and len(lost):
-        raise InputError(f"{path}: the face was lost in all {len(lost)} frames: there is no motion in it")
-    return motion, lost
+        holes += len(given) < len(there)
+        for column, place in given:
+            motion[frame, column] = _number(path, line, table, place, row[place])
+    if lost == len(motion):
+        raise InputError(f"{path}: the face was lost in all {lost} frames: there is no motion in it")
+    if lost:
+        table.notes.append(Note("warning", f"{path.name}: the face was lost in {lost} frames: filled"))
+    if holes:
+        table.notes.append(Note("warning", f"{path.name}: {holes} frames have empty cells: filled"))
+    return motion
 
 
 def _number(path: Path, line: int, table: _Table, place: int, cell: str) -> float:
     try:
-        number = float(cell.replace(",", ".") if table.decimal_comma else cell)
+        number = float(cell.removesuffix("%").replace(",", "."))
         if not math.isfinite(number):
             raise ValueError
     except ValueError as problem:
@@ -179,7 +199,7 @@ def _number(path: Path, line: int, table: _Table, place: int, cell: str) -> floa
 def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
     """Weights 0..1, head in mien's degrees."""
     weights, angles = motion[:, : len(ARKIT)], motion[:, len(ARKIT) :]
-    most = float(weights.max(initial=0.0))
+    most = float(np.nanmax(weights, initial=0.0))
     if most > _MOST_WEIGHT:
         if most > 100 * _MOST_WEIGHT:
             raise InputError(f"{path}: weights up to {most:g}: expected 0 to 1, or percent")
@@ -187,7 +207,7 @@ def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
         weights = weights / 100
     outside = ((weights < -1e-6) | (weights > 1 + 1e-6)).any(axis=1)
     if outside.any():
-        least, most = float(weights.min()), float(weights.max())
+        least, most = float(np.nanmin(weights)), float(np.nanmax(weights))
         table.notes.append(
             Note(
                 "warning",
@@ -195,7 +215,7 @@ def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
                 "brought to 0..1",
             )
         )
-    widest = max(float(np.abs(angles).max(initial=0.0)), _widest_eye(table))
+    widest = max(float(np.nanmax(np.abs(angles), initial=0.0)), _widest_eye(table))
     if widest > _MOST_RADIANS:
         table.notes.append(Note("note", f"{path.name} has angles up to {widest:.0f}: read as degrees"))
     else:
@@ -205,7 +225,8 @@ def _in_our_units(path: Path, motion: Floats, table: _Table) -> Floats:
 
 def _widest_eye(table: _Table) -> float:
     """The eyes turn far even where the head is still: they show the unit of angles."""
-    places = [place for place, name in enumerate(table.header) if name.lower() in map(str.lower, _EYE_COLUMNS)]
+    eyes = {name.lower() for name in _EYE_COLUMNS}
+    places = [place for place, name in enumerate(table.header) if _column_name(name) in eyes]
     cells = (row[place].replace(",", ".") for row in table.rows for place in places if place < len(row))
     return max((abs(float(cell)) for cell in cells if _PLAIN_NUMBER.fullmatch(cell)), default=0.0)
 
@@ -226,17 +247,18 @@ def _times(
     path: Path, texts: Sequence[str], lines: Sequence[int], rate: FrameRate | None, notes: list[Note]
 ) -> tuple[FrameRate, NDArray[np.int64]]:
     """The rate, and the number of each row's frame, counted from the first row."""
-    codes = [_code(text) for text in texts]
+    codes = [_code(text) or _clock(text) for text in texts]
     unread = next((i for i, code in enumerate(codes) if code is None), None)
     if unread is not None:
         if rate is None:
             raise InputError(
-                f"{path}, line {lines[unread]}: expected a timecode HH:MM:SS:FF.mmm, got {texts[unread][:40]!r}"
+                f"{path}, line {lines[unread]}: expected a timecode HH:MM:SS:FF.mmm or seconds, got "
+                f"{texts[unread][:40]!r}: give the rate (--fps)"
             )
         notes.append(Note("note", f"{path.name}, line {lines[unread]}: no timecode: its frames are taken as unbroken"))
         return rate, np.arange(len(texts))
     read = [code for code in codes if code is not None]
-    base = _ticks_in_a_second(read)
+    base = _THOUSANDTHS if all(_code(text) is None for text in texts) else _ticks_in_a_second(read)
     if base is None:
         most = max(code.ticks + 1 for code in read)
         if rate is None:
@@ -268,6 +290,16 @@ def _code(text: str) -> _Code | None:
     hours, minutes, seconds, mark, ticks, part = match.groups()
     whole = (int(hours) * 60 + int(minutes)) * 60 + int(seconds)
     return _Code(whole, int(ticks) + (float(f"0.{part}") if part else 0.0), mark == ";")
+
+
+def _clock(text: str) -> _Code | None:
+    """Seconds, with or without hours and minutes, in thousandths."""
+    match = _CLOCK.fullmatch(text.strip())
+    if match is None:
+        return None
+    hours, minutes, seconds, part = match.groups()
+    whole = (int(hours or 0) * 60 + int(minutes or 0)) * 60 + int(seconds)
+    return _Code(whole, float(f"0.{part}") * _THOUSANDTHS, dropping=False)
 
 
 def _ticks_in_a_second(codes: Sequence[_Code]) -> int | None:
@@ -327,7 +359,7 @@ def _named_rate(fps: float) -> FrameRate:
 
 
 def _filled(
-    path: Path, motion: Floats, places: NDArray[np.int64], lost: NDArray[np.bool_], rate: FrameRate, notes: list[Note]
+    path: Path, motion: Floats, places: NDArray[np.int64], rate: FrameRate, notes: list[Note]
 ) -> Floats:
     """One row for each frame; what is missing lies on a straight line between its neighbours."""
     if not len(motion):
@@ -349,13 +381,15 @@ def _filled(
                 f"(at {at:.2f} s): filled between their neighbours",
             )
         )
-    if lost.any():
-        notes.append(Note("warning", f"{path.name}: the face was lost in {int(lost.sum())} frames: filled"))
-    seen = ~lost
-    frames, last = np.unique(places[seen][::-1], return_index=True)
-    values = motion[seen][::-1][last]
     every = np.arange(int(places[-1]) + 1)
-    return np.stack([np.interp(every, frames, column) for column in values.T], axis=1)
+    return np.stack([_along(every, places, column) for column in motion.T], axis=1)
+
+
+def _along(every: NDArray[np.int64], places: NDArray[np.int64], column: Floats) -> Floats:
+    """A column at every frame; of several values for one frame the last is used."""
+    seen = ~np.isnan(column)
+    frames, last = np.unique(places[seen][::-1], return_index=True)
+    return np.interp(every, frames, column[seen][::-1][last])
 
 
 # ------------------------------------------------------------------ writing
