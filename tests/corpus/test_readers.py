@@ -283,6 +283,40 @@ def test_the_subject_in_front_of_c3d_labels_is_left_out(tmp_path: Path) -> None:
     assert "begin with a subject" in " ".join(note.message for note in raw.notes)
 
 
+def test_points_without_a_name_computed_ones_and_more_than_255(tmp_path: Path) -> None:
+    import ezc3d
+
+    path = made.write_c3d(tmp_path, "a")
+    plain = read_c3d(path)
+    file = ezc3d.c3d(str(path))
+    point, markers = file["parameters"]["POINT"], list(plain.markers.names)
+    odd = ["*110", "Anna:*3", "U_1", "Unlabeled 1001", "uname*4", "LHipAngles", *(f"extra{n}" for n in range(240))]
+    points = np.ones((4, len(markers) + len(odd), len(plain.markers)))
+    points[:, : len(markers)] = file["data"]["points"]
+    new = ezc3d.c3d()
+    for name in ("RATE", "UNITS"):
+        new["parameters"]["POINT"][name]["value"] = point[name]["value"]
+    new["parameters"]["POINT"]["LABELS"]["value"] = [*markers, *odd]
+    new.add_parameter("POINT", "ANGLES", ["LHipAngles", ""])
+    new["data"]["points"] = points
+    new.write(str(path))
+    raw = read_c3d(path)
+    assert raw.markers.names == (*markers, *(f"extra{n}" for n in range(240)))
+    np.testing.assert_allclose(raw.markers.positions[:, : len(markers)], plain.markers.positions, atol=1e-4)
+    told = " ".join(note.message for note in raw.notes)
+    assert "5 points without a name are left out" in told
+    assert "1 angles, forces and the like are left out" in told
+
+
+def test_a_c3d_file_of_another_kind_of_computer_is_told(tmp_path: Path) -> None:
+    path = made.write_c3d(tmp_path, "a")
+    content = bytearray(path.read_bytes())
+    content[(content[0] - 1) * 512 + 3] = 86
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"MIPS .* computers: save it"):
+        read_c3d(path)
+
+
 def test_a_c3d_file_that_crashes_the_library_is_one_line(tmp_path: Path) -> None:
     path = made.write_c3d(tmp_path, "a")
     whole = path.read_bytes()

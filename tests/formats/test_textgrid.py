@@ -180,7 +180,7 @@ def test_remarks_bare_fractions_and_rounded_times(tmp_path):
     path = tmp_path / "a.TextGrid"
     path.write_text(
         'File type = "ooTextFile"\nObject class = "TextGrid"\n0 +1.0 ! 3 tiers of "old"\n<exists> 1\n'
-        '"IntervalTier" "words" 0 1 2\n.25 .5003 "a!"\n.5 1 "b"\n'
+        '"IntervalTier" "words" 0 1 2\n.25 ,5003 "a!"\n.5 1 "b"\n'
     )
     (tier,) = read_textgrid(path)
     assert [(i.start, i.end, i.label) for i in tier] == [(0.25, 0.5003, "a!"), (0.5003, 1.0, "b")]

@@ -26,7 +26,7 @@ _TOUCHING = 1e-9  # seconds; the tolerance of `Tier`
 _ROUNDED = 1e-3  # seconds; intervals that overlap by less were rounded
 _TOKEN = re.compile(
     r'"(?P<text>(?:[^"]|"")*)"|(?P<flag><\w+>)|(?<!\S)![^\n]*'  # the last: a remark
-    r"|(?<!\S)(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?!\S)"
+    r"|(?<!\S)(?P<number>[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?)(?!\S)"
 )
 
 
@@ -133,7 +133,7 @@ def _tokens(path: Path) -> Iterator[str | float]:
         if match["text"] is not None:
             yield match["text"].replace('""', '"')
         elif match["number"] is not None:
-            yield float(match["number"])
+            yield float(match["number"].replace(",", "."))
         elif match["flag"] is not None:
             yield match["flag"]
 

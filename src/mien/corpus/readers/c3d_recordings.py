@@ -35,6 +35,11 @@ __all__ = ["READER", "SPEECH_RATE"]
 SPEECH_RATE = 4000.0
 """Analog channels below this rate carry no speech."""
 _SOUND_LABEL = re.compile(r"audio|sound|mic|voice|speech", re.IGNORECASE)
+_COMPUTED = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
+"""Lists of points that are no places: Vicon keeps what it computes among the markers."""
+_UNNAMED = re.compile(r"(.*:)?(|\*.*|u_\d+|un(labell?ed|assigned|ame)[ _*]*\d*)", re.IGNORECASE)
+"""Points that nobody named: Vicon's ``*12``, ``U_12``, Qualisys' ``uname*12``, Motive's ``Unlabeled 12``."""
+_MIPS = 86
 _UNITS = {"mm": "mm", "millimeters": "mm", "millimetres": "mm", "cm": "cm", "m": "m", "meters": "m", "metres": "m"}
 
 
@@ -47,10 +52,14 @@ def _read(found: Found, recipe: Recipe) -> Raw:
     content = _opened(path)
     labels = [str(label).strip() for label in content.value("POINT:LABELS", [])]
     points, rate = _points(path, content, len(labels)), _rate(path, content, recipe)
-    keep = [i for i, label in enumerate(labels) if label and not label.startswith("*")]
+    computed = {str(label).strip() for kind in _COMPUTED for label in content.value(f"POINT:{kind}", [])}
+    keep = [i for i, label in enumerate(labels) if not _UNNAMED.fullmatch(label) and label not in computed]
     notes = []
-    if len(keep) < len(labels):
-        notes.append(Note("note", f"{path.name}: {len(labels) - len(keep)} points without a name are left out"))
+    figures = sum(label in computed and not _UNNAMED.fullmatch(label) for label in labels)
+    if figures:
+        notes.append(Note("note", f"{path.name}: {figures} angles, forces and the like are left out"))
+    if unnamed := len(labels) - len(keep) - figures:
+        notes.append(Note("note", f"{path.name}: {unnamed} points without a name are left out"))
     bare = _without_subject([labels[i] for i in keep])
     if bare and bare[0] != labels[keep[0]]:
         notes.append(Note("note", f"{path.name}: the names of its points begin with a subject's: left out"))
@@ -99,6 +108,8 @@ def _opened(path: Path) -> _Content:
     """Read by the library, in a process of its own."""
     if path.stat().st_size < 1024:
         raise InputError(f"{path}: {path.stat().st_size} bytes are too few for a C3D file: is it cut short?")
+    if _processor(path.read_bytes()[: 512 * 256]) == _MIPS:
+        raise InputError(f"{path}: its numbers are in the order of MIPS (SGI) computers: save it in that of Intel's")
     with tempfile.TemporaryDirectory(prefix="mien-") as folder:
         out = Path(folder) / "c3d.npz"
         command = [sys.executable, str(Path(c3d_worker.__file__)), str(path), str(out)]
@@ -132,10 +143,15 @@ def _points(path: Path, content: _Content, labels: int) -> NDArray[np.float64]:
 
 def _promised_frames(path: Path) -> int:
     """Frames that the header speaks of (65535 at most); the library counts only those that are there."""
-    head = path.read_bytes()[: 512 * 256]
-    processor = head[(head[0] - 1) * 512 + 3] if len(head) > (head[0] - 1) * 512 + 3 else 84
-    first, last = struct.unpack(">HH" if processor == 86 else "<HH", head[6:10])
+    with path.open("rb") as file:
+        first, last = struct.unpack("<HH", file.read(10)[6:])
     return int(last - first + 1)
+
+
+def _processor(head: bytes) -> int:
+    """What kind of computer the numbers are for: 84 Intel's, 85 DEC's, 86 MIPS."""
+    place = (head[0] - 1) * 512 + 3
+    return head[place] if 0 <= place < len(head) else 84
 
 
 def _rate(path: Path, content: _Content, recipe: Recipe) -> FrameRate:

@@ -17,7 +17,12 @@ import numpy as np
 
 __all__ = ["PARAMETERS", "main"]
 
-PARAMETERS = (("POINT", "LABELS"), ("POINT", "UNITS"), ("POINT", "RATE"), ("ANALOG", "LABELS"), ("ANALOG", "RATE"))
+PARAMETERS = (
+    *(("POINT", name) for name in ("LABELS", "UNITS", "RATE", "ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")),
+    ("ANALOG", "LABELS"),
+    ("ANALOG", "RATE"),
+)
+_MOST_NAMES = 255  # one parameter holds no more; the others are in LABELS2, LABELS3 ...
 _SECONDS, _BYTES_PER_SECOND, _BYTES = 15, 10_000_000, 8 * 2**30
 
 
@@ -36,6 +41,11 @@ def main(source: str, out: str) -> int:
             for group, name in PARAMETERS
             if group in parameters and name in parameters[group]
         }
+        for group in ("POINT", "ANALOG"):
+            for number in range(2, _MOST_NAMES):
+                if f"LABELS{number}" not in parameters.get(group, {}):
+                    break
+                facts[f"{group}:LABELS"] += parameters[group][f"LABELS{number}"]["value"]
         np.savez(
             out,
             points=np.asarray(content["data"]["points"], dtype=np.float64),
