@@ -118,7 +118,8 @@ MASKS = " ".join(["1"] * COUNT)
     [
         ("", "expected '2.1 NAME FPS FRAMES'"),
         ("2.1 x 25", "expected '2.1 NAME FPS FRAMES'"),
-        ("2.1 x fast 1", ""),
+        ("2.1 x fast 1", "a.fap:1: expected '2.1 NAME FPS FRAMES'"),
+        ("2.1 x 25 1\n" + "0 " * 68 + "\n0\n0 0\n", "a.fap:4: more follows after the 1 frames"),
         ("2.1 x 25 1\n0 1", "a.fap:2: expected 68 masks of 0 or 1, got 2"),
         ("# r\n2.1 x 25 1\n" + MASKS + "\n0 1 2", "a.fap:4: the masks ask for a frame number and 76 values, got 3"),
         ("2.1 x 25 2\n" + "0 " * 68 + "\n0\n", "ends before the masks of frame 1 of 2"),
@@ -130,6 +131,15 @@ def test_damaged_files_name_the_line(tmp_path: Path, text: str, told: str) -> No
     with pytest.raises(InputError) as caught:
         read_fap(tmp_path / "a.fap")
     assert told in str(caught.value)
+
+
+def test_as_other_programs_write_it(tmp_path: Path) -> None:
+    path = tmp_path / "a.fap"
+    path.write_bytes(f"# f\u00fcr\r\n2.0\tmy take 29.97 1 # fps\r\n{MASKS} \r\n\r\n1".encode("cp1252") + b" 7.0" * 76)
+    track = read_fap(path)
+    assert (track.name, round(track.rate.fps, 2), len(track)) == ("my take", 29.97, 1)
+    assert (track.values[0, 2:] == 7).all()
+    assert (track.expressions[0] == 7).all()
 
 
 # ISO/IEC 14496-2, Annex C: number, name, unit, positive direction.

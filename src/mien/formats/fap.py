@@ -165,6 +165,8 @@ def read_fap(path: str | Path) -> FapTrack:
         if masks[frame, 1]:
             expressions[frame], rest = rest[:6], rest[6:]
         values[frame, 2:][masks[frame, 2:]] = rest
+    if (more := next(lines, None)) is not None:
+        raise InputError(f"{path}:{more[0]}: more follows after the {frames} frames that the first line speaks of")
     return FapTrack(values, masks, visemes, expressions, rate, name)
 
 
@@ -175,7 +177,7 @@ def _header(path: Path, lines: Iterator[tuple[int, list[str]]]) -> tuple[str, Fr
         if len(words) < 4 or not version.startswith("2") or frames < 0:
             raise ValueError
         return name, FrameRate.of(fps), frames
-    except (IndexError, ValueError) as problem:
+    except (IndexError, ValueError, InputError) as problem:
         told = " ".join(words)[:60]
         raise InputError(f"{path}:{number}: expected '2.1 NAME FPS FRAMES', got {told!r}") from problem
 
@@ -185,7 +187,7 @@ def _whole_numbers(path: Path, lines: Iterator[tuple[int, list[str]]], what: str
     if found is None:
         raise InputError(f"{path}: ends before {what}")
     try:
-        return found[0], [int(word) for word in found[1]]
+        return found[0], [int(word.removesuffix(".0")) for word in found[1]]
     except ValueError as problem:
         raise InputError(f"{path}:{found[0]}: expected whole numbers ({problem})") from problem
 
