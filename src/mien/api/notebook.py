@@ -5,9 +5,9 @@ from __future__ import annotations
 import html
 from base64 import b64encode
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from mien.animation.animation import Animation
+from mien.core.temporary_folder import temporary_folder
 
 __all__ = ["html_of"]
 
@@ -32,13 +32,13 @@ def html_of(animation: Animation) -> str:
     from mien.formats.wav import write_sound
 
     face, said = load_face("default"), html.escape(animation.utterance.text)
-    with TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         if animation.utterance.duration <= LONGEST:
-            video = Path(folder) / "line.mp4"
+            video = folder / "line.mp4"
             write_video(animation, face, video, view=View(WIDTH, HEIGHT))
             shown = f'<video controls width="{WIDTH}" src="{_inline(video, "video/mp4")}"></video>'
         else:
-            sheet, sound = Path(folder) / "line.png", Path(folder) / "line.wav"
+            sheet, sound = folder / "line.png", folder / "line.wav"
             write_contact_sheet(animation, face, sheet)
             write_sound(animation.utterance.audio, sound)
             shown = (

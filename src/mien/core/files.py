@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from mien.core.errors import OutputError
+from mien.core.temporary_folder import users_folder
 
 __all__ = ["check_writable", "claimed_outputs", "folder_until_complete", "held_alone", "replace_when_complete"]
 
@@ -222,13 +223,11 @@ def _claim(path: Path) -> None:
     real = path.resolve()
     if _claims is None or real in _claims:
         return
-    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = users_folder()
+    if folder is None:
+        return
+    lock = folder / hashlib.sha256(os.fsencode(real)).hexdigest()[:24]
     try:
-        folder = Path(tempfile.gettempdir()) / f"mien-{user}"
-        lock = folder / hashlib.sha256(os.fsencode(real)).hexdigest()[:24]
-        folder.mkdir(mode=0o700, exist_ok=True)
-        if folder.lstat().st_uid != user:
-            return
         if not _claims:
             _sweep(folder)
         handle = _locked(lock)
@@ -245,6 +244,8 @@ def _claim(path: Path) -> None:
 def _sweep(folder: Path) -> None:
     """Remove what killed commands left of claims."""
     for lock in folder.iterdir():
+        if not lock.is_file():
+            continue
         with contextlib.suppress(OSError):
             if time.time() - lock.stat().st_mtime > _STALE and (handle := _locked(lock)) is not None:
                 lock.unlink()

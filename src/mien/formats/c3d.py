@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import struct
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from mien.animation.animation import Animation
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
+from mien.core.temporary_folder import temporary_folder
 from mien.core.tracks import MarkerTrack
 from mien.face.deformers import poser_for
 from mien.face.library import load_face
@@ -122,8 +122,8 @@ def write_c3d(
     file.add_parameter("MIEN", "LAYOUT", [layout])
     if len(markers) > _COUNTED:
         notes += (Note("warning", f"{Path(path).name}: a C3D header counts {_COUNTED} frames, this one has more"),)
-    with tempfile.TemporaryDirectory() as folder:  # the library opens no path beyond ASCII on every system
-        made = Path(folder) / "a.c3d"
+    with temporary_folder() as folder:  # the library opens no path beyond ASCII on every system
+        made = folder / "a.c3d"
         file.write(str(made))
         content = made.read_bytes()
         if len(content) < 4 * sum(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 from mien.animation.animation import Animation
 from mien.core.errors import Note
+from mien.core.temporary_folder import temporary_folder
 from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.recognition import ForeignFace
 from mien.face.render.view import View
@@ -35,9 +35,9 @@ def save_on_foreign(
             return (*notes, Note("warning", told))
         return notes
     if target.suffix.lower() == ".fbx":
-        with tempfile.TemporaryDirectory(prefix="mien") as folder:
-            notes = drive_glb(animation.channels, face, Path(folder) / "face.glb")
-            fbx_of(Path(folder) / "face.glb", target, animation.rate)
+        with temporary_folder() as folder:
+            notes = drive_glb(animation.channels, face, folder / "face.glb")
+            fbx_of(folder / "face.glb", target, animation.rate)
         return notes
     if draws_pictures(target):
         drawn = drawn_face(face)

@@ -358,9 +358,7 @@ def _named_rate(fps: float) -> FrameRate:
     return FrameRate.of(round(fps, 2))
 
 
-def _filled(
-    path: Path, motion: Floats, places: NDArray[np.int64], rate: FrameRate, notes: list[Note]
-) -> Floats:
+def _filled(path: Path, motion: Floats, places: NDArray[np.int64], rate: FrameRate, notes: list[Note]) -> Floats:
     """One row for each frame; what is missing lies on a straight line between its neighbours."""
     if not len(motion):
         return motion

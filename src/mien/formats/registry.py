@@ -172,13 +172,12 @@ def _styled_glb(animation: Animation, path: Path, face: Face | None, style: GlbS
 
 
 def _write_fbx(animation: Animation, path: Path, face: Face | None, _: Progress | None) -> tuple[Note, ...]:
-    import tempfile
-
+    from mien.core.temporary_folder import temporary_folder
     from mien.formats.fbx import fbx_of
 
-    with tempfile.TemporaryDirectory(prefix="mien") as folder:
-        notes = _write_glb(animation, Path(folder) / "face.glb", face, None)
-        fbx_of(Path(folder) / "face.glb", path, animation.rate)
+    with temporary_folder() as folder:
+        notes = _write_glb(animation, folder / "face.glb", face, None)
+        fbx_of(folder / "face.glb", path, animation.rate)
     return notes
 
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import io
 import re
-import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
@@ -31,6 +30,7 @@ from mien.animation.animation import Animation
 from mien.core.channels import HEAD, WEIGHTS
 from mien.core.errors import InputError, MissingPartError, Note, OutputError
 from mien.core.files import replace_when_complete
+from mien.core.temporary_folder import temporary_folder
 from mien.face.model import Eye, Face, Material, Part
 from mien.face.posing import eye_rotation, head_rotation
 from mien.formats.face_motion import TargetNormals, linear_light, lost_tree, playing_facts, quaternions
@@ -190,8 +190,8 @@ class _Stage:
         for part in self.face.parts:
             self._mesh(part)
         self._play_sound()
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / f"layer.{kind}"
+        with temporary_folder() as folder:
+            file = folder / f"layer.{kind}"
             try:
                 written = self.stage.GetRootLayer().Export(str(file))
             except RuntimeError as problem:  # pxr.Tf.ErrorException, with a line for every piece that failed

@@ -126,7 +126,10 @@ def random_folds(takes: Sequence[Take], folds: int, random: np.random.Generator)
     """
     _check_folds(folds)
     if len(takes) < PARTS:
-        raise InputError(f"a random split needs at least {PARTS} takes, the corpus has {len(takes)}; name the test")
+        raise InputError(
+            f"a random split needs at least {PARTS} takes, the corpus has {len(takes)}; list those to test in a file, "
+            "one a line: --test-names FILE"
+        )
     order = random.permutation(len(takes))
     return [named_fold(takes, [takes[i].name for i in order[part::PARTS]]) for part in range(folds)]
 

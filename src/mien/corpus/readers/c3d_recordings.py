@@ -11,7 +11,6 @@ import re
 import struct
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.limits import load_arrays
+from mien.core.temporary_folder import temporary_folder
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers import c3d_worker
@@ -110,8 +110,8 @@ def _opened(path: Path) -> _Content:
         raise InputError(f"{path}: {path.stat().st_size} bytes are too few for a C3D file: is it cut short?")
     if _processor(path.read_bytes()[: 512 * 256]) == _MIPS:
         raise InputError(f"{path}: its numbers are in the order of MIPS (SGI) computers: save it in that of Intel's")
-    with tempfile.TemporaryDirectory(prefix="mien-") as folder:
-        out = Path(folder) / "c3d.npz"
+    with temporary_folder() as folder:
+        out = folder / "c3d.npz"
         command = [sys.executable, str(Path(c3d_worker.__file__)), str(path), str(out)]
         done = subprocess.run(command, capture_output=True, check=False)
         if done.returncode or not out.exists():

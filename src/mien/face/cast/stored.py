@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from hashlib import sha256
@@ -12,6 +11,7 @@ from pathlib import Path
 
 from mien.core.assets import assets_folder
 from mien.core.errors import InputError, OutputError
+from mien.core.temporary_folder import temporary_folder
 from mien.face.cast.making import make_face
 from mien.face.cast.person import Person, person_called
 from mien.face.model import Face
@@ -37,9 +37,9 @@ def face_of_person(person: Person) -> Face:
             write_face(face, path)
             _sweep(path.parent)
             return read_face(path)
-    with tempfile.TemporaryDirectory() as own:
-        write_face(face, Path(own) / "face.npz")
-        return read_face(Path(own) / "face.npz")
+    with temporary_folder() as own:
+        write_face(face, own / "face.npz")
+        return read_face(own / "face.npz")
 
 
 @lru_cache(maxsize=4)

@@ -7,11 +7,11 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
 from mien.core.errors import InputError, MissingPartError
+from mien.core.temporary_folder import temporary_folder
 from mien.core.timeline import FrameRate
 from mien.face.foreign import blender_worker
 
@@ -67,8 +67,8 @@ def converted(content: bytes, suffix: str, wanted: str, rate: FrameRate | None =
     command = blender_command()
     whole = math.ceil((rate or FrameRate.of(30)).fraction)
     base = float(whole / (rate or FrameRate.of(30)).fraction)
-    with tempfile.TemporaryDirectory(prefix="mien") as folder:
-        source, target = Path(folder) / f"in{suffix}", Path(folder) / f"out{wanted}"
+    with temporary_folder() as folder:
+        source, target = folder / f"in{suffix}", folder / f"out{wanted}"
         source.write_bytes(content)
         try:
             ran = subprocess.run(

@@ -7,7 +7,6 @@ whatever else might have slipped through.
 from __future__ import annotations
 
 import shutil
-import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import soundfile
 from mien.core.assets import asset, asset_table
 from mien.core.errors import InputError, MissingPartError, Note
 from mien.core.external_program import run_program
+from mien.core.temporary_folder import temporary_folder
 from mien.core.timeline import Interval
 from mien.speech.voices.sentences import Sentence
 from mien.speech.voices.sound_joining import Piece, join_pieces
@@ -63,9 +63,9 @@ class Festival(Voice):
         return Availability(False, f"on Debian or Ubuntu run: apt install festival {self._package}")
 
     def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
-        with tempfile.TemporaryDirectory() as folder:
-            waves = [Path(folder) / f"{number}.wav" for number in range(len(sentences))]
-            script = Path(folder) / "speak.scm"
+        with temporary_folder() as folder:
+            waves = [folder / f"{number}.wav" for number in range(len(sentences))]
+            script = folder / "speak.scm"
             script.write_bytes(self._script(sentences, waves))
             printed = run_program([_PROGRAM, "--batch", str(script)], self.name).decode("latin-1")
             told = printed.split("sentence\n")[1:]
