@@ -62,7 +62,6 @@ def test_help_loads_no_heavy_library() -> None:
         (["say", "Hello.", "-o", "{dir}/a.mp5"], "did you mean '.mp4'"),
         (["say", "Hello.", "-o", "{dir}/a"], "end its name in one of"),
         (["say", "Hello.", "-o", "{dir}"], "end its name in one of"),
-        (["say", "Hello.", "-o", "{dir}/nowhere/a.csv"], "does not exist"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--also", "{dir}/b.doc"], "unknown output format '.doc'"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "hapy"], "did you mean 'happy'"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--emotion", "happy:7"], "from 0 to 1, not 7"),
@@ -131,7 +130,7 @@ def test_no_input_is_overwritten_and_no_output_given_twice(
     assert not (tmp_path / "a.csv").exists()
 
 
-@pytest.mark.parametrize("name", ["x" * 300 + ".csv", "no/such/folder/a.csv"])
+@pytest.mark.parametrize("name", ["x" * 300 + ".csv", "x" * 300 + "/a.csv"])
 def test_impossible_names_are_refused(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "cannot write" in refused(capsys, "say", "Hello.", "-o", str(tmp_path / name))
 

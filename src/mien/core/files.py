@@ -52,7 +52,7 @@ def check_writable(path: str | Path) -> Path:
     Raises
     ------
     OutputError
-        If its folder is missing or not writable, if ``path`` is a folder, or another command claimed it.
+        If its folder is not writable and cannot be made, if ``path`` is a folder, or another command claimed it.
     """
     path = Path(path)
     _checked(path)
@@ -69,8 +69,7 @@ def _checked(path: Path) -> None:
             raise OutputError(f"cannot write {str(path)[:80]}: {problem.strerror}") from problem
     if path.is_dir():
         raise OutputError(f"cannot write {path}: it is a folder; give a file name")
-    if not folder.exists():
-        raise OutputError(f"cannot write {path}: the folder {folder} does not exist; make it first")
+    folder = next(above for above in (folder, *folder.parents) if above.exists())  # what is missing will be made
     if not folder.is_dir():
         raise OutputError(f"cannot write {path}: {folder} is not a folder")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
@@ -81,7 +80,7 @@ def _checked(path: Path) -> None:
 def replace_when_complete(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside ``path``; it takes the place of ``path`` only if the block ends well.
 
-    The temporary file keeps the suffix of ``path`` and is removed if the block fails.
+    The temporary file keeps the suffix of ``path`` and is removed if the block fails. A folder that is missing is made.
 
     Raises
     ------
@@ -99,6 +98,7 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
     path = check_writable(path)
     if path.is_symlink():  # what the link points to is replaced, not the link
         path = check_writable(path.resolve())
+    made = _missing_folders(path)
     unfinished, handle = _temporary(path)
     try:
         with _writing(path):
@@ -113,6 +113,7 @@ def replace_when_complete(path: str | Path) -> Iterator[Path]:
     finally:
         unfinished.unlink(missing_ok=True)
         os.close(handle)
+        _remove_empty(made)
 
 
 @contextmanager
@@ -129,6 +130,7 @@ def folder_until_complete(path: str | Path) -> Iterator[Path]:
     path = check_writable(path)
     mark = hashlib.sha256(path.name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
     folder = path.parent / f".mien-{mark}-files"
+    made = _missing_folders(path)
     try:
         with _writing(path):
             shutil.rmtree(folder, ignore_errors=True)
@@ -136,6 +138,21 @@ def folder_until_complete(path: str | Path) -> Iterator[Path]:
             yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+        _remove_empty(made)
+
+
+def _missing_folders(path: Path) -> list[Path]:
+    """Make the folders above a file that are missing; those that were made, the outermost first."""
+    missing = [folder for folder in reversed(path.parents) if not folder.exists()]
+    with _writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    for folder in reversed(folders):
+        with contextlib.suppress(OSError):
+            folder.rmdir()  # stays where something lies in it
 
 
 @contextmanager

@@ -50,7 +50,8 @@ def test_marks_of_tone_and_digits_read_alike() -> None:
     assert with_tone_digits("pizza") == "pizza"
 
 
-def test_kanji_are_refused_in_one_line() -> None:
+def test_kanji_are_refused_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mien.text.languages.segmenting.find_spec", lambda name: None)
     japanese = find_language("ja")
     assert japanese is not None
     with pytest.raises(InputError, match="write kanji in kana"):

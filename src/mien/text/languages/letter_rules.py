@@ -10,24 +10,16 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from mien.core.errors import InputError, Note
-from mien.core.limits import is_whole
-from mien.text.languages.finnish_numbers import cardinal, decimal, ordinal
 from mien.text.languages.language import Language
-from mien.text.languages.tokens import Token, is_from_other_script, tokens_of
+from mien.text.languages.tokens import Token, is_from_other_script
+from mien.text.languages.written_forms import spoken_tokens
 from mien.text.spoken_text import SpokenText, SpokenWord
 
 __all__ = ["phones_of_letters", "read_letters"]
 
-_NUMBER = re.compile(r"[-−]?\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|[-−]?\d+(?:,\d+)?")
-_PIECE = re.compile(
-    r"(?P<range>\d+[-–—]\d+)(?!\d)"
-    r"|(?P<clock>\d{1,2}[.:][0-5]\d)(?![\d.])"
-    rf"|(?P<number>{_NUMBER.pattern})(?P<stop>\.$)?"
-    r"|(?P<word>[^\W\d_]+(?:['’][^\W\d_]+)*)|(?P<sign>\S)"
-)
+_PIECE = re.compile(r"(?P<word>[^\W\d_]+(?:['’][^\W\d_]+)*)|(?P<sign>\S)")
 _SILENT = "'’\"”“„«»()[]{}…-–—/\\*_~^|<>#`´"
 
 
@@ -51,7 +43,7 @@ def read_letters(text: str, language: Language) -> SpokenText:
     words: list[SpokenWord] = []
     dropped: list[str] = []
     replaced: list[str] = []
-    for token in tokens_of(_joined_thousands(text), _short_forms(language)):
+    for token in spoken_tokens(text, language):
         spoken: list[SpokenWord] = []
         for start, end, said in _pieces(token, language, dropped):
             for name in said.split():
@@ -99,47 +91,19 @@ def phones_of_letters(word: str, language: Language) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _short_forms(language: Language) -> frozenset[str]:
-    return frozenset(language.table.get("abbreviations", {}))
-
-
-def _joined_thousands(text: str) -> str:
-    """``12 500`` is one number: its blank becomes one that does not part words."""
-    return re.sub(r"(?<=\d) (?=\d{3}(?!\d))", "\u00a0", text)
-
-
 def _pieces(token: Token, language: Language, dropped: list[str]) -> list[tuple[int, int, str]]:
     """Places in the text and what is said for them."""
-    short = language.table.get("abbreviations", {})
-    if token.text.lower() in short:
-        return [(token.start, token.end, short[token.text.lower()])]
+    if token.said:
+        if any(char.isdecimal() for char in token.said):  # numbers of this language are not known
+            raise InputError(f"{language.name}: write {token.text!r} in words")
+        return [(token.start, token.end, token.said)]
     pieces = []
     for match in _PIECE.finditer(token.text):
-        said = _said(match, token.text, language)
+        said = (_spelled_out(match["word"], language) or match["word"]) if match["word"] else ""
         if not said and match["sign"] not in tuple(_SILENT):
             dropped.append(match.group())
         pieces.append((token.start + match.start(), token.start + match.end(), said))
     return pieces
-
-
-def _said(match: re.Match[str], text: str, language: Language) -> str:
-    if match["word"]:
-        return _spelled_out(match["word"], language) or match["word"]
-    if match["sign"]:
-        return str(language.table.get("signs", {}).get(match["sign"], ""))
-    table: dict[str, Any] = language.table.get("numbers", {})
-    if not table:
-        raise InputError(f"no section [numbers] in the table of {language.name}: write {match.group()!r} in words")
-    if match["range"]:
-        first, last = re.split(r"[-–—]", match["range"])
-        return f"{cardinal(int(first), table)} {cardinal(int(last), table)}"
-    if match["clock"]:
-        hours, minutes = re.split(r"[.:]", match["clock"])
-        return cardinal(int(hours), table) + (f" {cardinal(int(minutes), table)}" if int(minutes) else "")
-    bare = re.sub(r"[\s\u00a0\u202f]", "", match["number"]).replace("−", "-")
-    if bare.startswith("-") and match.start():  # a hyphen inside a word
-        bare = bare[1:]
-    return ordinal(int(bare), table) if match["stop"] and is_whole(bare) else decimal(bare, table)
 
 
 def _spelled_out(word: str, language: Language) -> str:

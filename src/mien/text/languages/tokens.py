@@ -26,21 +26,23 @@ _MARKS = {
     "；": ";",
 }
 _RANK = "-,;:!?."
-_BEFORE = "\"'“”„«»‘’([{¿¡-–—−*_"
-_AFTER = "\"'“”«»‘’)]}.,;:!?…-–—*_"
+_BEFORE = "\"'“”„«»‘’([{¿¡-–—−*_「『《（"
+_AFTER = "\"'“”«»‘’)]}.,;:!?…-–—*_」』》）。、，？！：；"
 
 
 @dataclass(frozen=True)
 class Token:
     """A piece of text without blanks and without the marks around it.
 
-    ``start`` and ``end`` count characters of the text; ``pause`` is the strongest of ``. ? ! : ; , -`` after it.
+    ``start`` and ``end`` count characters of the text; ``pause`` is the strongest of ``. ? ! : ; , -`` after it;
+    ``said`` are the words it stands for, where it is not read as it is written.
     """
 
     text: str
     start: int
     end: int
     pause: str = ""
+    said: str = ""
 
 
 def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
@@ -54,8 +56,6 @@ def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
     for match in re.finditer(r"[^ \t\r\f\v]+?(?:[。、，？！：；]+|(?=[ \t\r\f\v]|$))", text.replace("\n", " ")):
         piece = match.group()
         front = len(piece) - len(piece.lstrip(_BEFORE))
-        if piece[front - 1 : front] in ("-", "−") and piece[front : front + 1].isdigit():
-            front -= 1  # a minus
         if front == len(piece):
             yield Token("", match.start(), match.start(), _strongest(piece))
             continue
@@ -63,8 +63,6 @@ def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
         tail = piece[front + len(body) :]
         if tail[:1] == "." and f"{body}.".lower() in short_forms:
             body, tail = body + ".", tail[1:] if tail[1:] else ""
-        elif tail[:1] == "." and body[-1:].isdigit() and re.match(r"\s*[a-zåäöšž]", text[match.end() :]):
-            body, tail = body + ".", tail[1:]  # an ordinal: "3. päivänä"
         start = match.start() + front
         yield Token(body, start, start + len(body), _strongest(tail))
 
