@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
+from mien.core.errors import InputError
 from mien.text.languages import find_language, known_languages, read_in
 from mien.text.languages.segmenting import note_on_blanks, segmented
 from mien.text.languages.tokens import Token
@@ -127,6 +129,17 @@ def test_figures_signs_and_short_forms(tag: str, written: str, said: str) -> Non
     language = find_language(tag)
     assert language is not None
     assert " ".join(token.said or token.text for token in spoken_tokens(written, language)) == said
+
+
+def test_a_rule_that_no_language_has_is_named(tmp_path: Path) -> None:
+    table = tmp_path / "uk.toml"
+    table.write_text(
+        'tag = "uk"\nname = "Ukrainian"\nreader = "espeak"\nespeak = "uk"\n[written]\nclock = "{h:cardinal-femnine}"\n'
+    )
+    language = find_language(table)
+    assert language is not None
+    with pytest.raises(InputError, match="did you mean 'cardinal-feminine'"):
+        list(spoken_tokens("7:00", language))
 
 
 def test_words_know_their_place_and_the_sentence_its_end() -> None:

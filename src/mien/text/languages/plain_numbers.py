@@ -9,6 +9,7 @@ from typing import Any
 
 from unicode_rbnf import RbnfEngine
 
+from mien.core.errors import unknown_name
 from mien.text.languages.language import Language
 
 __all__ = ["Numbers"]
@@ -31,7 +32,7 @@ class Numbers:
         table = language.table
         self._table: dict[str, Any] = table.get("written", {})
         self._nouns: dict[str, str] = table.get("units", {}) | table.get("currencies", {})
-        self._engine = _engine(language.tag)
+        self._tag, self._engine = language.tag, _engine(language.tag)
         self._point = self._table.get("decimal", ",")
         group = "[.'’ \u00a0\u202f\u2009]" if self._point == "," else "[,'’ \u00a0\u202f\u2009]"
         self.pattern = rf"(?:\d{{1,3}}(?:{group}\d{{3}})+(?!\d)(?:{re.escape(self._point)}\d+)?|\d+(?:[.,]\d+)?)"
@@ -64,7 +65,8 @@ class Numbers:
             return str(number)
         known = f"spellout-{rule}"
         if known not in self._engine.rulesets:
-            known = "spellout-numbering"
+            rules = [name[9:] for name in self._engine.rulesets if name.startswith("spellout-")]
+            raise unknown_name(f"rule for numbers in the table of {self._tag}", rule, rules)
         said = self._engine.format_number(number, ruleset_names=[known]).text
         for wrong, right in (self._table.get("respelled", {}) | {_SOFT_HYPHEN: ""}).items():
             said = said.replace(wrong, right)
