@@ -9,7 +9,6 @@ export class ApiError extends Error {
   }
 }
 
-const POLL_MS = 120;
 /** The "status" where no answer came at all. */
 export const GONE = -1;
 
@@ -71,6 +70,20 @@ export const startTake = async (request: TakeRequest, recording?: File): Promise
 export const redo = async (id: string, changed: TakeRequest & { layer?: Layer; sound?: null }, recording?: File): Promise<string> =>
   (await read<{ job: string }>(`/api/takes/${id}/redo`, asked(changed, recording))).job;
 
+/** Has the server make ready what is being written; whether it does is its own affair. */
+export const ahead = (request: TakeRequest): Promise<unknown> => read('/api/ahead', json('POST', request)).catch(() => undefined);
+
+/** The words and phones of a TextGrid for a take: a job. */
+export const textGrid = async (id: string, file: Blob): Promise<string> =>
+  (await read<{ job: string }>(`/api/takes/${id}/textgrid`, { method: 'POST', headers: { 'Content-Type': 'text/plain' }, body: file })).job;
+
+export interface PageShows { take: string; at: number; speed: number; loop: [number, number] | null }
+export interface Live { sending: boolean; kind?: string; to?: string; kinds: Record<string, number> }
+export const live = (): Promise<Live> => read('/api/live');
+export const startLive = (asked: PageShows & { kind: string; to: string; subject: string }): Promise<Live> => read('/api/live', json('POST', asked));
+export const showLive = (shown: PageShows): Promise<unknown> => read('/api/live', json('PUT', shown));
+export const stopLive = (): Promise<Live> => read('/api/live', { method: 'DELETE' });
+
 export const takes = async (): Promise<Listed[]> => (await read<{ takes: Listed[] }>('/api/takes')).takes;
 export const openTake = async (id: string): Promise<string> => (await read<{ job: string }>(`/api/takes/${id}/open`, { method: 'POST' })).job;
 export const copyTake = async (id: string): Promise<string> => (await read<{ take: string }>(`/api/takes/${id}/copy`, { method: 'POST' })).take;
@@ -119,12 +132,11 @@ export async function finished(id: string, tell: (job: Job) => void, signal?: Ab
       await ask(`/api/jobs/${id}`, { method: 'DELETE' });
       throw new ApiError('Cancelled.');
     }
-    const job = await read<Job>(`/api/jobs/${id}`);
+    const job = await read<Job>(`/api/jobs/${id}?wait=4`);
     tell(job);
     if (job.state === 'done') return job;
     if (job.state === 'failed' || job.state === 'cancelled') {
       throw new ApiError(job.error ?? (job.state === 'cancelled' ? 'Cancelled.' : 'It failed.'), job.field ?? null);
     }
-    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
   }
 }

@@ -1,7 +1,30 @@
 // Curves through keys: the same formulas as mien.text.parameter_curves and mien.text.intensity.
-import type { Blend } from './types';
+import type { Blend, Tangent } from './types';
 
-export type Point = readonly [number, number];
+/** Seconds, value, and how the curve passes there, where that is asked for. */
+export type Point = readonly [number, number, Tangent?];
+const LIKE: Readonly<Record<Blend, Tangent>> = { spline: 'auto', smooth: 'flat', linear: 'linear', hold: 'step' };
+const own = (points: readonly Point[]): boolean => points.some(([, , tangent]) => tangent !== undefined);
+
+/** How the curve passes a key: as it asks for, else as the whole curve has it. */
+export const tangentAt = (point: Point, blend: Blend): Tangent => point[2] ?? LIKE[blend];
+
+/** Cubics whose slopes at the keys are those that the keys ask for (mien.text.key_tangents). */
+function throughTangents(points: readonly Point[], at: number, blend: Blend): number {
+  let place = 0;
+  while (place < points.length - 2 && (points[place + 1] as Point)[0] <= at) place++;
+  const [before, after] = [points[place] as Point, points[place + 1] as Point];
+  const [[t0, v0], [t1, v1]] = [before, after];
+  const [leaves, comes] = [tangentAt(before, blend), tangentAt(after, blend)];
+  if (leaves === 'step') return v0;
+  const width = t1 - t0;
+  if (width <= 0) return v1;
+  const chord = (v1 - v0) / width;
+  const sloped = (tangent: Tangent, i: number): number => (tangent === 'flat' ? 0 : tangent === 'linear' ? chord : points.length > 2 ? slope(points, i) : chord);
+  const arrives = comes === 'step' && leaves === 'linear' ? 'linear' : comes;
+  const [x, a, b] = [(at - t0) / width, sloped(leaves, place), sloped(arrives, place + 1)];
+  return v0 * (1 + 2 * x) * (1 - x) ** 2 + a * width * x * (1 - x) ** 2 + v1 * x * x * (3 - 2 * x) - b * width * x * x * (1 - x);
+}
 
 /** The value at a moment; held before the first and after the last point. `smooth`: half a cosine; `spline`: monotone cubic. */
 export function held(points: readonly Point[], at: number, blend: Blend): number {
@@ -10,6 +33,7 @@ export function held(points: readonly Point[], at: number, blend: Blend): number
   if (first === undefined || last === undefined) return 0;
   if (at <= first[0]) return first[1];
   if (at >= last[0]) return last[1];
+  if (own(points)) return throughTangents(points, at, blend);
   if (blend === 'spline' && points.length > 2) return cubic(points, at);
   let place = 0;
   while ((points[place + 1] as Point)[0] <= at) place++;
@@ -32,6 +56,7 @@ export function counts(points: readonly Point[], at: number, fade: number): numb
 
 /** An intensity at a moment; `smooth` is a monotone cubic through three points or more. */
 export function intensityAt(points: readonly Point[], at: number, blend: Blend): number {
+  if (own(points)) return Math.min(Math.max(held(points, at, blend === 'linear' ? 'linear' : 'spline'), 0), 1);
   if (blend === 'linear' || points.length < 3) return held(points, at, 'linear');
   const first = points[0] as Point;
   const last = points[points.length - 1] as Point;

@@ -65,7 +65,7 @@ export const ICONS = {
   start: 'M12.5 3 7 8l5.5 5M3.5 3v10', loop: 'M4 5h7a3 3 0 0 1 3 3M12 11H5a3 3 0 0 1-3-3M6 2.5 3.5 5 6 7.500M10 8.500 12.500 11 10 13.500',
   undo: 'M6 3 3 6l3 3M3 6h6a4 4 0 0 1 0 8H6', redo: 'M10 3l3 3-3 3M13 6H7a4 4 0 0 0 0 8h3', plus: 'M8 3v10M3 8h10', minus: 'M3 8h10',
   spectrum: 'M3 13V9M6 13V4M9 13V7M12 13V10', tall: 'M8 2v12M5 5l3-3 3 3M5 11l3 3 3-3',
-  fit: 'M2 8h12M5 5 2 8l3 3M11 5l3 3-3 3', cross: 'M4 4l8 8M12 4l-8 8', save: 'M8 2v8M4.500 7 8 10.500 11.500 7M3 13.500h10', help: 'M6 6a2 2 0 1 1 3 1.700c-.7.4-1 .8-1 1.600M8 12v.1',
+  live: 'M8 9.500v4M8 7.500a1 1 0 1 0 .01 0M5 10.500a4 4 0 0 1 0-5.500M11 10.500a4 4 0 0 0 0-5.500M3 12.500a7 7 0 0 1 0-9.500M13 12.500a7 7 0 0 0 0-9.500', fit: 'M2 8h12M5 5 2 8l3 3M11 5l3 3-3 3', cross: 'M4 4l8 8M12 4l-8 8', save: 'M8 2v8M4.500 7 8 10.500 11.500 7M3 13.500h10', help: 'M6 6a2 2 0 1 1 3 1.700c-.7.4-1 .8-1 1.600M8 12v.1',
 } as const;
 
 export function download(name: string, content: BlobPart, type: string): void {

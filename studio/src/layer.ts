@@ -21,15 +21,15 @@ export function intensityEdit(layer: Layer, emotion: string): IntensityEdit | un
 /** Keys as points in seconds, in order; those that are tied to nothing in this line are left out. */
 export function pointsOf(keys: readonly Key[], speech: Speech): Point[] {
   return keys
-    .flatMap(({ anchor, value }): Point[] => {
+    .flatMap(({ anchor, value, tangent }): Point[] => {
       const at = speech.moment(anchor);
-      return at === undefined ? [] : [[at, value]];
+      return at === undefined ? [] : [[at, value, ...(tangent === undefined ? [] : [tangent] as const)] as Point];
     })
     .sort((a, b) => a[0] - b[0]);
 }
 
 const keysOf = (points: readonly Point[], speech: Speech): Key[] =>
-  [...points].sort((a, b) => a[0] - b[0]).map(([at, value]) => ({ anchor: speech.anchor(at), value: round(value) }));
+  [...points].sort((a, b) => a[0] - b[0]).map(([at, value, tangent]) => ({ anchor: speech.anchor(at), value: round(value), ...(tangent === undefined ? {} : { tangent }) }));
 
 /** The keys of a channel set to these points; none takes the edit away. */
 export function setChannel(

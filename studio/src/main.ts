@@ -8,6 +8,7 @@ import { EditsPanel } from './panels/edits';
 import { ExportPanel } from './panels/export';
 import { FacePanel } from './panels/face';
 import { LinePanel } from './panels/line';
+import { LiveButton } from './panels/live';
 import { RigPanel } from './panels/rig';
 import { TakesPanel } from './panels/takes';
 import { Playback } from './playback';
@@ -70,7 +71,7 @@ async function start(): Promise<void> {
   };
   const back = (): void => { if (session.take !== undefined && !session.working) session.show(session.layer); else show(); };
   const page = new PageKeeper(() => state());
-  const line = new LinePanel(session, stage, back, () => page.touch());
+  const line = new LinePanel(session, stage, back, () => page.touch(), () => { playback.seek(playback.loop?.[0] ?? 0); void playback.play(); });
   const face = new FacePanel(session, stage, () => { show(); void line.emotions.draw(face.id); page.touch(); });
   const faceBefore = { id: '' };
   rig = new RigPanel(session, stage, async () => {
@@ -105,10 +106,11 @@ async function start(): Promise<void> {
     timeline.restore(before);
   };
 
+  const live = new LiveButton(session, playback);
   const told = make('div', { class: 'told', role: 'status', 'aria-live': 'polite' });
   const toast = make('p', { class: 'toast', role: 'alert', hidden: true });
   const stageArea = make('section', { id: 'stage', 'aria-label': 'Face' }, backdrop, make('div', { class: 'looks' }, views, lights), told, toast);
-  const main = make('main', {}, make('h1', { class: 'visually-hidden' }, 'mien studio'), stageArea, tabs.element, transport(playback, session, () => help.showModal()), timeline.element, help);
+  const main = make('main', {}, make('h1', { class: 'visually-hidden' }, 'mien studio'), stageArea, tabs.element, transport(playback, session, live.element, () => help.showModal()), timeline.element, help, live.dialog);
   const splitter = split(main, timeline.element, () => page.touch());
   timeline.element.prepend(splitter.element);
   stageArea.querySelector('.looks')?.append(compared.element);
@@ -213,6 +215,9 @@ function dropFiles(line: LinePanel, face: FacePanel, takes: TakesPanel, tabs: Ta
     } else if (/\.mienproject$/i.test(file.name)) {
       tabs.choose('takes');
       void takes.openProject(file);
+    } else if (/\.textgrid$/i.test(file.name)) {
+      tabs.choose('line');
+      void line.useGrid(file);
     } else if (/\.(txt|xml|ssml|bml)$/i.test(file.name)) {
       tabs.choose('line');
       void file.text().then((text) => { line.text.value = text.trim(); });

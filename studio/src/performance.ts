@@ -73,3 +73,36 @@ export function felt(
   });
   return result;
 }
+
+/** A guess of a line articulated with another effort: the jaw opens farther or less, the lips go farther from where they are on average. */
+export function articulated(values: Float32Array, channels: readonly string[], jaw: number, lips: number): Float32Array {
+  const [result, width] = [values.slice(), channels.length];
+  channels.forEach((name, column) => {
+    const opens = name === 'jawOpen' || name === 'mouthClose';
+    if (!opens && !/^(mouth|jaw)/.test(name)) return;
+    const factor = opens ? jaw : lips;
+    let mean = 0;
+    if (!opens) for (let at = column; at < values.length; at += width) mean += ((values[at] as number) * width) / values.length;
+    for (let at = column; at < result.length; at += width) result[at] = Math.min(Math.max(mean + ((values[at] as number) - mean) * factor, 0), 1);
+  });
+  return result;
+}
+
+/** Eyes held at a direction, degrees to the speaker's left and up, as channels of both eyes. */
+export function looking([side, height]: readonly [number, number], full: { in: number; out: number; up: number; down: number }): Record<string, number> {
+  const share = (degrees: number, most: number): number => Math.min(Math.max(degrees / most, 0), 1);
+  return {
+    eyeLookOutLeft: share(side, full.out), eyeLookInRight: share(side, full.in), eyeLookInLeft: share(-side, full.in), eyeLookOutRight: share(-side, full.out),
+    eyeLookUpLeft: share(height, full.up), eyeLookUpRight: share(height, full.up), eyeLookDownLeft: share(-height, full.down), eyeLookDownRight: share(-height, full.down),
+  };
+}
+
+/** Channels held at values in every frame. */
+export function holding(values: Float32Array, channels: readonly string[], held: Readonly<Record<string, number>>): Float32Array {
+  const result = values.slice();
+  for (const [name, value] of Object.entries(held)) {
+    const column = channels.indexOf(name);
+    if (column >= 0) for (let at = column; at < result.length; at += channels.length) result[at] = value;
+  }
+  return result;
+}

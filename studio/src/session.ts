@@ -2,10 +2,11 @@
 // goes to the server's journal at once; while the server is away it is kept here, and handed over when it is back.
 import { MotionClip } from 'mien-viewer';
 import { Speech } from './anchors';
+import { held } from './curves';
 import * as api from './api';
 import { Events } from './events';
 import { performed, withBorder } from './layer';
-import { felt, layOver, reweighed, warped, type Intensity } from './performance';
+import { articulated, felt, holding, layOver, reweighed, warped, type Intensity } from './performance';
 import { emptyLayer, type About, type ChannelFacts, type Job, type Layer, type Lost, type Take, type Span, type Step, type TakeRequest } from './types';
 
 interface Happenings {
@@ -70,6 +71,16 @@ export class Session extends Events<Happenings> {
       const done = await api.finished(job, (told) => this.told(told), signal);
       await this.showTake(done.take as string, id === undefined);
       this.emit('list', undefined);
+    });
+  }
+
+  /** Performs the open take with the words and phones of a TextGrid. */
+  async takeGrid(file: File): Promise<boolean> {
+    return this.work(async (signal) => {
+      await this.sending;
+      const id = (this.take as Take).take;
+      await api.finished(await api.textGrid(id, file), (told) => this.told(told), signal);
+      await this.showTake(id, false);
     });
   }
 
@@ -225,6 +236,23 @@ export class Session extends Events<Happenings> {
     }
     const mask = emotion === '' ? { channels: [], values: [] } : this.mask(emotion);
     if (mask !== undefined) this.show(this.layer, felt(this.restful ?? this.plain, take.channels, mask, strength, this.facts));
+  }
+
+  /** Shows the line articulated with another effort, as a guess. */
+  showEffort(before: number, after: number): void {
+    const { take } = this;
+    if (take === undefined) return;
+    const { efforts, jaw, lips } = this.about.effort;
+    const gain = (gains: number[]): number => {
+      const at = (effort: number): number => held(efforts.map((one, i): [number, number] => [one, gains[i] as number]), effort, 'linear');
+      return at(after) / Math.max(at(before), 0.05);
+    };
+    this.show(this.layer, articulated(this.plain, take.channels, gain(jaw), gain(lips)));
+  }
+
+  /** Shows channels held at values, as a guess. */
+  showHeld(channels: Readonly<Record<string, number>>): void {
+    if (this.take !== undefined) this.show(this.layer, holding(this.plain, this.take.channels, channels));
   }
 
   // ------------------------------------------------------------ edits

@@ -11,7 +11,7 @@ const LIST: [string, string][] = [
   ['1 2 3 4', 'portrait, three-quarter, profile, mouth'], ['Ctrl+Z, Ctrl+Y', 'undo, redo'],
   ['Tab', 'from lane to lane'], ['Ctrl+← Ctrl+→', 'from handle to handle in a lane'], ['← →', 'handle: one frame (Shift: five)'],
   ['↑ ↓', 'handle: value (Shift: more)'], ['Delete', 'handle: remove; border: back where it was'],
-  ['drag over lanes', 'choose keys (Shift: further ones)'], ['Ctrl+A, Ctrl+C, X, V', 'keys: choose all, copy, cut, paste at the playhead'], ['Alt+[ Alt+]', 'chosen values smaller, larger'],
+  ['drag over lanes', 'choose keys (Shift: further ones)'], ['Ctrl+A, Ctrl+C, X, V', 'keys: choose all, copy, cut, paste at the playhead'], ['Alt+[ Alt+]', 'chosen values smaller, larger'], ['T', 'tangent of the chosen keys: auto, flat, linear, step'],
   ['M, Shift+← →', 'marker here, to the markers'], ['right click, Shift+F10', 'what can be done there'],
   ['double click', 'add a point or a key; on a word: loop it'], ['wheel, Ctrl+wheel, Alt+wheel', 'scroll, zoom time, zoom values'], ['middle button', 'pan'], ['Enter', 'in the text: perform'], ['?', 'this list'],
 ];
@@ -35,7 +35,7 @@ export function listenToKeys(parts: { playback: Playback; session: Session; time
     l: () => toggleLoop(playback), s: () => { playback.speed = slower(playback.speed); },
     '+': () => timeline.window.zoom(1 / 1.6, playback.now), '=': () => timeline.window.zoom(1 / 1.6, playback.now),
     '-': () => timeline.window.zoom(1.6, playback.now), 0: () => timeline.window.fit(), '?': help,
-    m: () => timeline.addMarker(), Delete: () => timeline.deleteChosen(), Backspace: () => timeline.deleteChosen(), Escape: () => timeline.selection.clear(),
+    t: () => timeline.nextTangent(), m: () => timeline.addMarker(), Delete: () => timeline.deleteChosen(), Backspace: () => timeline.deleteChosen(), Escape: () => timeline.selection.clear(),
     1: () => view(0), 2: () => view(1), 3: () => view(2), 4: () => view(3),
   };
   document.addEventListener('keydown', (event) => {

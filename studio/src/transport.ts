@@ -3,7 +3,7 @@ import { button, icon, ICONS, make, options } from './dom';
 import { SPEEDS, type Playback } from './playback';
 import type { Session } from './session';
 
-export function transport(playback: Playback, session: Session, help: () => void): HTMLElement {
+export function transport(playback: Playback, session: Session, live: HTMLElement, help: () => void): HTMLElement {
   const play = button('Play', () => playback.toggle(), { class: 'play', 'data-do': 'play' }, icon(ICONS.play, true));
   const clock = make('output', { class: 'clock', 'aria-label': 'Time' });
   const frame = make('span', { class: 'frame' });
@@ -36,7 +36,7 @@ export function transport(playback: Playback, session: Session, help: () => void
     play,
     button('One frame on', () => playback.step(1), { 'data-do': 'on', title: 'One frame on (.)' }, icon(ICONS.on)),
     make('div', { class: 'times' }, clock, frame), speed, loop,
-    make('span', { class: 'gap' }), undo, redo, make('span', { class: 'gap wide' }),
+    make('span', { class: 'gap' }), undo, redo, make('span', { class: 'gap wide' }), live,
     button('Shortcuts', help, { 'data-do': 'help', title: 'Shortcuts (?)' }, icon(ICONS.help)));
 }
 

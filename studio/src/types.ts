@@ -19,6 +19,11 @@ export interface About {
   cameras: string[];
   limits: { upload_bytes: number; text_characters: number; seconds: number };
   default_face: string;
+  /** How far jaw and lips go at which effort. */
+  effort: { efforts: number[]; jaw: number[]; lips: number[] };
+  /** Degrees to the speaker's left and up; and how many degrees the full weight of an eye's channel turns it. */
+  gazes: Record<string, [number, number]>;
+  gaze_degrees: { in: number; out: number; up: number; down: number };
 }
 
 /** A phone of a word, or the k-th pause after a word (null: before the first). `occurrence` counts from 1, the others from 0. */
@@ -30,7 +35,9 @@ export interface Anchor extends Place { share: number }
 export type Blend = 'linear' | 'smooth' | 'spline' | 'hold';
 
 export interface BorderEdit { kind: 'border'; phone: Place; edge: 'start' | 'end'; shift: number }
-export interface Key { anchor: Anchor; value: number }
+/** How a curve passes a key. */
+export type Tangent = 'auto' | 'flat' | 'linear' | 'step';
+export interface Key { anchor: Anchor; value: number; tangent?: Tangent }
 export interface IntensityEdit { kind: 'intensity'; emotion: string; interpolation: Blend; points: Key[] }
 export interface ChannelEdit {
   kind: 'channel'; channel: string; mode: 'add' | 'replace'; interpolation: Blend; fade: number; keys: Key[];

@@ -6,7 +6,7 @@ import {
   withBorder, without,
 } from '../src/layer';
 import { layOver, reweighed, warped } from '../src/performance';
-import { emptyLayer, type Span } from '../src/types';
+import { emptyLayer, type Span, type Tangent } from '../src/types';
 
 const words: Span[] = [[0.2, 0.5, 'no'], [0.5, 0.7, 'i'], [1.0, 1.4, 'no']];
 const phones: Span[] = [
@@ -49,6 +49,15 @@ describe('curves, against values of mien.text', () => {
   it('monotone cubic (scipy.interpolate.PchipInterpolator)', () => {
     const found = [0.5, 1.5, 2.5].map((at) => intensityAt([[0, 0], [1, 1], [3, 0.5]], at, 'smooth'));
     [0.67708333, 0.9921875, 0.7890625].forEach((value, i) => expect(found[i]).toBeCloseTo(value, 6));
+  });
+  it('each key with its own tangent (mien.text.key_tangents)', () => {
+    const keys = (tangents: Tangent[]): Point[] => [[0, 0], [1, 1], [3, 0.5], [4, 0.9]].map(([at, value], i) => [at, value, tangents[i]] as Point);
+    const at = [0.5, 1.5, 2.5, 3.5];
+    const expected: [Tangent[], number[]][] = [
+      [['auto', 'flat', 'linear', 'step'], [0.67708333, 0.9453125, 0.6484375, 0.7]],
+      [['linear', 'auto', 'auto', 'flat'], [0.625, 0.921875, 0.578125, 0.7]], [['step', 'linear', 'flat', 'auto'], [0, 0.8515625, 0.5546875, 0.62291667]]];
+    for (const [tangents, values] of expected) values.forEach((value, i) => expect(held(keys(tangents), at[i] as number, 'smooth')).toBeCloseTo(value, 6));
+    expect(held([[0, 0], [1, 1, 'step'], [2, 0]], 0.5, 'linear')).toBeCloseTo(0.5, 9);
   });
   it('fade out of and into nothing', () => {
     expect([-0.1, -0.05, 0, 1, 3.05, 4].map((at) => Math.round(counts(points, at, 0.1) * 100) / 100)).toEqual([0, 0.5, 1, 1, 0.5, 0]);

@@ -7,6 +7,8 @@ export type Span = readonly [number, number, string];
 export interface Facts {
   text?: string;
   seconds?: number;
+  /** Seconds after which a stream that goes round and round begins again. */
+  round?: number;
   words?: readonly Span[];
   phones?: readonly Span[];
   performer?: string;

@@ -65,7 +65,8 @@ export class MienFace {
 
   /**
    * Performs a stream of `mien serve` with its sound: that is fetched from the same port and plays so that it is at 0 when
-   * frame 0 stands; the face then keeps time with the sound.
+   * frame 0 stands; the face then keeps time with the sound. Of a stream that goes round and round (`--loop`) the sound
+   * begins again with it.
    */
   listenWithSound(address: string, audio: HTMLAudioElement, options: StreamOptions = {}): MienStream {
     const sound = new URL(address.replace(/^ws/, 'http'));
@@ -74,14 +75,26 @@ export class MienFace {
     audio.preload = 'auto';
     audio.src = sound.href;
     const keep = mediaClock(audio);
-    return this.listen(address, { clock: keep, ...options, onBegin: (at) => {
-      const start = (): void => {
-        audio.currentTime = Math.max(Date.now() / 1000 - at, 0);
+    let [began, round] = [Infinity, 0]; // the moment of frame 0, and the rounds before this one
+    const passed = (): number => Date.now() / 1000 - began;
+    const length = (): number => stream.greeting?.facts.round ?? Infinity;
+    const clock: Clock = () => (audio.paused || audio.ended ? Math.max(passed(), 0) : (round === 0 ? 0 : round * length()) + keep());
+    const start = (): void => {
+      if (stream.ended) return;
+      round = Number.isFinite(length()) ? Math.max(Math.floor(passed() / length() + 1e-3), 0) : 0;
+      const at = Math.max(passed() - (round === 0 ? 0 : round * length()), 0);
+      if (!(at >= audio.duration)) { // it is not over before the face has gone round
+        audio.currentTime = at;
         void audio.play();
-      };
-      setTimeout(start, Math.max(at * 1000 - Date.now(), 0));
+      }
+      if (Number.isFinite(length())) setTimeout(start, Math.max((round + 1) * length() - passed(), 0.01) * 1000);
+    };
+    const stream: MienStream = this.listen(address, { clock, ...options, onBegin: (at) => {
+      began = at;
+      setTimeout(start, Math.max(-passed() * 1000, 0));
       options.onBegin?.(at);
     } });
+    return stream;
   }
 
   /** Stays as it is now. */

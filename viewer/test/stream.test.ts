@@ -1,6 +1,6 @@
-import { describe, expect, it } from 'vitest';
-import { MienStream, readFrame, readGreeting, type StreamOptions } from '../src/index.js';
-import { FakeSocket, frameMessages, golden, text, truth } from './helpers.js';
+import { describe, expect, it, vi } from 'vitest';
+import { MienFace, MienStream, readFrame, readGreeting, type StreamOptions } from '../src/index.js';
+import { FakeSocket, frameMessages, golden, group, mesh, text, truth } from './helpers.js';
 
 const COUNT = truth.channels.length;
 
@@ -35,6 +35,37 @@ describe('messages, against bytes that mien itself wrote', () => {
     expect(() => readGreeting(later)).toThrow('the stream is mien-live version 2; this player reads version 1');
     expect(() => readGreeting('<html>')).toThrow(/expected the greeting/);
     expect(() => readGreeting('null')).toThrow(/expected the greeting/);
+  });
+});
+
+describe('a stream that goes round, with its sound', () => {
+  it('has the sound again in every round, also for one who comes late, and never after its end', () => {
+    vi.useFakeTimers();
+    vi.setSystemTime(1_000_000);
+    const socket = new FakeSocket();
+    const begun: number[] = [];
+    const audio = { currentTime: 0, duration: 1.5, paused: true, ended: false, playbackRate: 1, play: () => {
+      begun.push(Number(audio.currentTime.toFixed(2)));
+      audio.paused = false;
+      setTimeout(() => { audio.paused = true; }, (1.5 - audio.currentTime) * 1000);
+      return Promise.resolve();
+    } };
+    const face = new MienFace(group(mesh('face', ['jawOpen'])));
+    const stream = face.listenWithSound('ws://127.0.0.1:1', audio as unknown as HTMLAudioElement, { socket: socket as unknown as WebSocket });
+    const facts = { began: 1000 - 2.6, round: 2, sound: '/sound.wav' }; // it is in its second round for 0.6 s
+    socket.say(JSON.stringify({ format: 'mien-live', version: 1, channels: ['jawOpen'], fps: 25, facts }));
+    return Promise.resolve().then(() => {
+      vi.advanceTimersByTime(1);
+      expect(begun).toEqual([0.6]);
+      vi.advanceTimersByTime(1200);
+      expect(stream.clock()).toBeCloseTo(3.8, 2); // the sound is over, the face goes on
+      vi.advanceTimersByTime(4000);
+      expect(begun).toEqual([0.6, 0, 0]);
+      stream.close();
+      vi.advanceTimersByTime(9000);
+      expect(begun.length).toBe(3);
+      vi.useRealTimers();
+    });
   });
 });
 

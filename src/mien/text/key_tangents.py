@@ -51,7 +51,8 @@ def through_tangents(at: Floats, values: Floats, tangents: Sequence[str], now: F
         Times, never falling, and values.
     tangents : sequence of {"auto", "flat", "linear", "step"}
         ``"auto"``: no overshoot (the slopes of a monotone cubic, PCHIP); ``"flat"``: level at the key; ``"linear"``:
-        straight at the neighbour, as far as that is too; ``"step"``: the key's value until the next key.
+        straight at the neighbour, as far as that is too; ``"step"``: the key's value until the next key, and before
+        it as the key before has it.
     now : ndarray
         Before the first and after the last key the value of that key.
 
@@ -59,7 +60,7 @@ def through_tangents(at: Floats, values: Floats, tangents: Sequence[str], now: F
     --------
     >>> at, up = np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 0.0])
     >>> through_tangents(at, up, ("linear", "step", "flat"), np.array([-1.0, 0.5, 1.5, 2.0])).tolist()
-    [0.0, 0.625, 1.0, 0.0]
+    [0.0, 0.5, 1.0, 0.0]
     """
     if len(at) == 1:
         return np.full(now.shape, values[0])
@@ -72,7 +73,9 @@ def through_tangents(at: Floats, values: Floats, tangents: Sequence[str], now: F
         smooth = np.asarray(PchipInterpolator(at, values).derivative()(at), dtype=np.float64)
     slope = np.where([tangent == "flat" for tangent in tangents], 0.0, smooth)
     straight = np.array([tangent == "linear" for tangent in tangents])
-    leaving, coming = np.where(straight[:-1], chord, slope[:-1]), np.where(straight[1:], chord, slope[1:])
+    held = np.array([tangent == "step" for tangent in tangents])
+    leaving = np.where(straight[:-1], chord, slope[:-1])
+    coming = np.where(straight[1:] | (held[1:] & straight[:-1]), chord, slope[1:])
     moment = np.clip(now, at[0], at[-1])
     place = np.clip(np.searchsorted(at, moment, side="right") - 1, 0, len(at) - 2)
     width = span[place]
@@ -83,5 +86,4 @@ def through_tangents(at: Floats, values: Floats, tangents: Sequence[str], now: F
         + values[place + 1] * x**2 * (3 - 2 * x)
         - coming[place] * width * x**2 * (1 - x)
     )
-    held = np.array([tangent == "step" for tangent in tangents])[place] & (x < 1)
-    return np.where(held, values[place], cubic)
+    return np.where(held[place] & (x < 1), values[place], cubic)

@@ -5,8 +5,11 @@ import type { Layer, TakeRequest } from '../types';
 import { Emotions } from './emotions';
 import type { Stage } from '../stage';
 import { LineText } from './line_text';
+import { Manner, withGaze } from './manner';
+import * as api from '../api';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
+const AHEAD_MS = 400; // after the last key
 const DROP = 'or drop a sound file anywhere';
 const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'voice_emotion', 'seed', 'fps'];
 const MODELS: Record<string, string> = {
@@ -24,30 +27,29 @@ export class LinePanel {
   private readonly language = make('select');
   private readonly performer = make('select');
   private readonly model = make('select');
-  private readonly effort = make('input', { type: 'range', min: 0, max: 2, step: 0.05, value: 1 });
-  private readonly effortAuto = make('input', { type: 'checkbox', checked: true, id: 'effort-auto' });
+  readonly manner: Manner;
   private readonly prosody = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.5 });
-  private readonly voiceEmotion = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1 });
   private readonly seed = make('input', { type: 'number', min: 0, step: 1, value: 0, inputmode: 'numeric' });
   private readonly fps = make('input', { type: 'number', min: 1, max: 240, step: 1, value: 60, inputmode: 'numeric' });
   private readonly go = make('button', { type: 'submit', class: 'primary', id: 'perform', title: 'Perform the line (Enter). Edits are kept.' }, 'Perform');
   private readonly anew = button('Start anew', () => void this.perform(true), { id: 'anew', disabled: true, title: 'Make another take, without the edits; this one stays in the list of takes' });
   private recording: File | undefined;
   private recorded = false; // the take that is open has a recording
+  private grid: File | undefined; // a TextGrid for the recording that is chosen
+  private writing = 0;
   private others: string[] = []; // emotions beside the one that is chosen
 
-  constructor(private readonly session: Session, stage: Stage, back: () => void, private readonly changed: () => void) {
+  constructor(private readonly session: Session, stage: Stage, back: () => void, private readonly changed: () => void, hear: () => void) {
     this.emotions = new Emotions(session, stage, back, (name, strength) => void this.feel(name, strength));
+    this.manner = new Manner(session, stage, back, (target) => this.look(target), (aloud) => void this.again().then((done) => { if (done && aloud) hear(); }));
     this.text = new LineText(session.about.emotions, () => void this.perform());
     this.text.value = EXAMPLE;
     this.fill();
     const drop = make('div', { class: 'drop' }, make('label', { class: 'button', for: 'field-sound' }, 'Open a recording …'), this.file, this.fileName, this.noSound);
     const more = make('details', { class: 'more' }, make('summary', {}, 'Voice, performer and more'),
-      field('Voice', 'voice', this.voice), field('Emotion in the voice (0: as plain text)', 'voice_emotion', this.voiceEmotion),
+      field('Voice', 'voice', this.voice),
       field('Language', 'language', this.language), field('Performer', 'performer', this.performer),
       field('How the mouth moves', 'speech_model', this.model),
-      field('Effort: how hard the words are articulated', 'effort', this.effort),
-      make('div', { class: 'ticks' }, make('label', {}, this.effortAuto, 'effort as the voice or the emotion has it')),
       field('Brows and nods on accents', 'prosody', this.prosody),
       make('div', { class: 'pair' }, field('Variation (seed)', 'seed', this.seed), field('Frames per second', 'fps', this.fps)));
     const soundField = make('div', { class: 'field', 'data-field': 'sound' }, drop, make('p', { class: 'fault', id: 'fault-sound', role: 'alert', hidden: true }));
@@ -56,7 +58,7 @@ export class LinePanel {
     more.addEventListener('invalid', () => { more.open = true; }, true);
     this.element.append(
       textField(this.text), soundField, make('div', { class: 'actions' }, this.go, this.anew),
-      make('h3', {}, 'Emotion'), this.emotions.element, make('p', { class: 'fault', id: 'fault-emotion', role: 'alert', hidden: true }), more);
+      make('h3', {}, 'Emotion'), this.emotions.element, make('p', { class: 'fault', id: 'fault-emotion', role: 'alert', hidden: true }), this.manner.element, more);
     this.listen();
     this.tellSound();
   }
@@ -77,12 +79,12 @@ export class LinePanel {
     });
     this.file.addEventListener('change', () => this.useSound(this.file.files?.[0]));
     this.element.addEventListener('input', () => {
-      this.effort.disabled = this.effortAuto.checked;
       this.changed();
+      this.manner.look(this.text.value);
+      clearTimeout(this.writing);
+      this.writing = window.setTimeout(() => this.ahead(), AHEAD_MS);
     });
-    this.effort.disabled = true;
-    // Sliders of how it is performed show at once what they do.
-    for (const control of [this.effort, this.effortAuto, this.prosody, this.voiceEmotion]) control.addEventListener('change', () => { if (this.session.take !== undefined) void this.perform(); });
+    this.prosody.addEventListener('change', () => void this.again());
     this.session.on('take', ({ take, fresh }) => { if (fresh && take.take !== 'beginning') this.showRequest(); });
     this.session.on('list', () => this.tellSound());
     this.session.on('layer', () => this.showEmotion());
@@ -101,6 +103,7 @@ export class LinePanel {
       return;
     }
     this.recording = file;
+    this.grid = undefined;
     if (file === undefined) this.recorded = false;
     this.file.value = '';
     if (file !== undefined && (this.text.value === EXAMPLE || this.session.take !== undefined)) this.text.value = '';
@@ -109,10 +112,13 @@ export class LinePanel {
 
   private tellSound(): void {
     const there = this.recording !== undefined || this.recorded;
-    this.fileName.textContent = this.recording?.name ?? (this.recorded ? 'the recording of this take' : DROP);
+    const grid = this.grid === undefined ? '' : ` and ${this.grid.name}`;
+    this.fileName.textContent = `${this.recording?.name ?? (this.recorded ? 'the recording of this take' : DROP)}${grid}`;
+    this.fileName.title = this.fileName.textContent;
     this.noSound.hidden = !there;
     this.text.input.placeholder = there ? 'What is said in the recording? Empty: it is recognised.' : 'What shall be said?';
     this.voice.disabled = there;
+    this.manner.withRecording(there);
     this.emotions.offerHeard(there);
     this.anew.disabled = this.session.take === undefined;
     this.go.textContent = this.session.take === undefined ? 'Perform' : 'Perform, keep edits';
@@ -128,11 +134,8 @@ export class LinePanel {
     this.language.value = request.language ?? '';
     this.performer.value = request.performer ?? 'default';
     this.model.value = request.speech_model ?? '';
-    this.effortAuto.checked = !/^[\d.]+$/.test(request.effort ?? 'auto');
-    if (!this.effortAuto.checked) this.effort.value = request.effort as string;
-    this.effort.disabled = this.effortAuto.checked;
+    this.manner.set(request.effort ?? 'auto', request.voice_emotion ?? 1, this.text.value);
     this.prosody.value = String(request.prosody ?? 0.5);
-    this.voiceEmotion.value = String(request.voice_emotion ?? 1);
     this.seed.value = String(request.seed ?? 0);
     this.fps.value = String(Number(request.fps ?? 60));
     this.tellSound();
@@ -171,9 +174,8 @@ export class LinePanel {
       text: this.text.value,
       emotion: this.asked(this.emotions.chosen, this.emotions.amount),
       performer: this.performer.value,
-      effort: this.effortAuto.checked ? 'auto' : this.effort.value,
+      ...this.manner.request,
       prosody: Number(this.prosody.value),
-      voice_emotion: Number(this.voiceEmotion.value),
       seed: Number(this.seed.value),
       fps: this.fps.value,
       ...(this.voice.value === '' || this.recording !== undefined || this.recorded ? {} : { voice: this.voice.value }),
@@ -184,20 +186,56 @@ export class LinePanel {
 
   private clear(): void { for (const name of FIELDS) showFault(name, null); }
 
-  async perform(anew = false): Promise<void> {
+  async perform(anew = false): Promise<boolean> {
     this.clear();
     const question = this.text.question();
     if (question !== null) showFault('text', question);
     const { session } = this;
     const request = this.request();
     if (session.take === undefined || anew) {
-      await session.perform(request, this.recording, true);
-      return;
+      return this.withGrid(session.perform(request, this.recording, true));
     }
     const spoken = request.text !== session.request.text || this.recording !== undefined || session.take.from_sound !== this.recorded;
     const gone = session.take.from_sound === true && !this.recorded && this.recording === undefined;
     const changes = { voice: null, language: null, speech_model: null, ...request, ...(spoken ? { times: null } : {}), ...(gone ? { sound: null } : {}) };
-    await session.perform(this.recording === undefined ? changes : request, this.recording);
+    return this.withGrid(session.perform(this.recording === undefined ? changes : request, this.recording));
+  }
+
+  /** After a performance of a new recording: the times of its TextGrid. */
+  private async withGrid(performed: Promise<boolean>): Promise<boolean> {
+    const { grid } = this;
+    const done = await performed;
+    if (done && grid !== undefined) return this.session.takeGrid(grid);
+    return done;
+  }
+
+  /** Performs the open take again as the controls have it now. */
+  private async again(): Promise<boolean> { return this.session.take === undefined ? false : this.perform(); }
+
+  /** The eyes somewhere from the beginning of the line on. */
+  private look(target: string): void {
+    this.text.value = withGaze(this.text.value, target);
+    this.manner.look(this.text.value);
+    this.changed();
+    void this.again();
+  }
+
+  /** Has the server speak what is written while one is still writing. */
+  private ahead(): void {
+    const { session } = this;
+    if (session.working || this.recording !== undefined || this.recorded || this.text.value.trim() === '' || this.text.unfinished) return;
+    void api.ahead({ ...session.request, voice: null, language: null, speech_model: null, times: null, ...this.request() });
+  }
+
+  /** Takes words and phones from a TextGrid: for the recording that is chosen, or for the take that is open. */
+  async useGrid(file: File): Promise<void> {
+    showFault('sound', null);
+    const { session } = this;
+    if (this.recording !== undefined) {
+      this.grid = file;
+      this.tellSound();
+    } else if (session.take !== undefined) await session.takeGrid(file);
+    else showFault('sound', `${file.name}: a TextGrid belongs to a recording; drop that first`);
   }
 
   /** What is written but not performed, for the state of the page. */

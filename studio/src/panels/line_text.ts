@@ -54,6 +54,9 @@ export class LineText {
     this.paint();
   }
 
+  /** Whether a tag is being written. */
+  get unfinished(): boolean { return /[<[][^>\]]*$/.test(this.input.value); }
+
   /** What is not understood in the text, as a question. */
   question(): string | null {
     const { unknown } = withTags(this.input.value, this.emotions);

@@ -1,7 +1,9 @@
 // A menu at the pointer, or at the element that has the focus.
 import { make } from '../dom';
 
-export type Item = readonly [label: string, act: () => void, keys?: string] | null;
+/** A row of choices, of which one may be in force. */
+export interface Choices { label: string; choices: readonly { name: string; title: string; pressed: boolean; act: () => void }[] }
+export type Item = readonly [label: string, act: () => void, keys?: string] | Choices | null;
 
 let open: HTMLElement | undefined;
 
@@ -15,18 +17,24 @@ export function showMenu(x: number, y: number, items: readonly Item[]): void {
   const back = document.activeElement as HTMLElement | null;
   const menu = make('div', { class: 'context-menu', role: 'menu', tabindex: -1 }, ...items.map((item) => {
     if (item === null) return make('hr', { role: 'separator' });
+    const press = (entry: HTMLButtonElement, act: () => void): HTMLButtonElement => {
+      entry.addEventListener('click', () => {
+        closeMenu();
+        back?.focus({ preventScroll: true });
+        act();
+      });
+      return entry;
+    };
+    if ('choices' in item) {
+      return make('div', { class: 'choices', role: 'group', 'aria-label': item.label }, make('span', {}, item.label), make('div', {}, ...item.choices.map(({ name, title, pressed, act }) =>
+        press(make('button', { type: 'button', role: 'menuitemradio', tabindex: -1, title, 'aria-checked': String(pressed) }, name), act))));
+    }
     const [label, act, keys] = item;
-    const entry = make('button', { type: 'button', role: 'menuitem', tabindex: -1 }, make('span', {}, label), keys === undefined ? null : make('kbd', {}, keys));
-    entry.addEventListener('click', () => {
-      closeMenu();
-      back?.focus({ preventScroll: true });
-      act();
-    });
-    return entry;
+    return press(make('button', { type: 'button', role: 'menuitem', tabindex: -1 }, make('span', {}, label), keys === undefined ? null : make('kbd', {}, keys)), act);
   }));
   menu.addEventListener('keydown', (event) => {
-    const entries = [...menu.querySelectorAll<HTMLElement>('[role=menuitem]')];
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const entries = [...menu.querySelectorAll<HTMLElement>('[role^=menuitem]')];
+    const step = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 }[event.key];
     if (event.key === 'Escape' || event.key === 'Tab') {
       closeMenu();
       back?.focus({ preventScroll: true });

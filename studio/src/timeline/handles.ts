@@ -13,6 +13,7 @@ export interface HandleFacts {
   edited?: boolean;
   fixed?: boolean; // stays at its moment
   chosen?: boolean;
+  shape?: string; // of a key: its tangent
 }
 
 export interface HandleEvents {
@@ -178,11 +179,12 @@ function done(event: Event): void {
 
 const inside = (at: number, range?: [number, number]): number => (range === undefined ? at : Math.min(Math.max(at, range[0]), range[1]));
 
-function describe(element: HTMLElement, { at, value, label, text, range, edited, chosen }: HandleFacts, x: number): void {
+function describe(element: HTMLElement, { at, value, label, text, range, edited, chosen, shape }: HandleFacts, x: number): void {
   element.style.transform = `translateX(${x}px)`;
   element.classList.toggle('point', value !== undefined);
   element.classList.toggle('edited', edited === true);
   element.classList.toggle('chosen', chosen === true);
+  if (shape !== undefined) element.dataset['tangent'] = shape;
   if (value !== undefined) element.style.top = `${(1 - value) * 100}%`;
   element.setAttribute('aria-label', label);
   element.setAttribute('aria-valuetext', chosen === true ? `${text}, chosen` : text);

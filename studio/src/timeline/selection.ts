@@ -1,9 +1,10 @@
 // Keys that are chosen, over all lanes, and what can be done with many at once. Pure, but for the set itself.
 import { Events } from '../events';
 import type { Point } from '../curves';
+import type { Tangent } from '../types';
 
 /** A key, and whether it is chosen. */
-export interface Marked { at: number; value: number; chosen: boolean }
+export interface Marked { at: number; value: number; tangent?: Tangent | undefined; chosen: boolean }
 /** Keys as they are copied: seconds from the first of them. */
 export type Copied = ReadonlyMap<string, readonly Point[]>;
 
@@ -34,7 +35,7 @@ export class Selection extends Events<{ change: void }> {
 
 /** Keys in order and within bounds; where two meet, the chosen one stays. */
 export function tidy(keys: readonly Marked[], seconds: number, [low, high]: readonly [number, number]): Marked[] {
-  const bounded = keys.map(({ at, value, chosen }) => ({ at: Math.min(Math.max(at, 0), seconds), value: Math.min(Math.max(value, low), high), chosen }));
+  const bounded = keys.map((key) => ({ ...key, at: Math.min(Math.max(key.at, 0), seconds), value: Math.min(Math.max(key.value, low), high) }));
   bounded.sort((a, b) => a.at - b.at || Number(a.chosen) - Number(b.chosen));
   const kept: Marked[] = [];
   for (const key of bounded) {
@@ -53,13 +54,19 @@ export const offset = (keys: readonly Marked[], seconds: number, value: number):
 export const scaled = (keys: readonly Marked[], time: number, about: number, value: number, level = 0): Marked[] =>
   keys.map((key) => (key.chosen ? { ...key, at: about + (key.at - about) * time, value: level + (key.value - level) * value } : key));
 
+/** How the curve passes the chosen keys; undefined: as the whole curve has it. */
+export const withTangent = (keys: readonly Marked[], tangent: Tangent | undefined): Marked[] =>
+  keys.map((key) => (key.chosen ? { ...key, tangent } : key));
+
+export const pointOf = ({ at, value, tangent }: Marked): Point => (tangent === undefined ? [at, value] : [at, value, tangent]);
+
 export const without = (keys: readonly Marked[]): Marked[] => keys.filter(({ chosen }) => !chosen);
 
 /** Copied keys laid at a moment; what stood under them gives way. */
 export function pasted(keys: readonly Marked[], copied: readonly Point[], at: number): Marked[] {
   const [first, last] = [copied[0]?.[0] ?? 0, copied.at(-1)?.[0] ?? 0];
   const around = keys.filter((key) => key.at < at + first - PLACED || key.at > at + last + PLACED).map((key) => ({ ...key, chosen: false }));
-  return [...around, ...copied.map(([time, value]) => ({ at: at + time, value, chosen: true }))];
+  return [...around, ...copied.map(([time, value, tangent]) => ({ at: at + time, value, tangent, chosen: true }))];
 }
 
 /** The same channel on the other side of the face. */

@@ -2,7 +2,7 @@
 import type { MotionClip } from 'mien-viewer';
 import { PAUSES } from '../anchors';
 import type { Point } from '../curves';
-import { intensityAt } from '../curves';
+import { intensityAt, tangentAt } from '../curves';
 import { button, icon, ICONS, make } from '../dom';
 import { closeMenu, showMenu, type Item } from './context_menu';
 import {
@@ -11,9 +11,9 @@ import {
 } from '../layer';
 import type { Playback } from '../playback';
 import type { Session } from '../session';
-import type { Blend, Layer } from '../types';
+import type { Blend, Layer, Tangent } from '../types';
 import { ChannelMenu } from './channel_menu';
-import { mirrored, offset, pasted, scaled, Selection, tidy, without, type Marked } from './selection';
+import { mirrored, offset, pasted, pointOf, scaled, Selection, tidy, without, withTangent, type Marked } from './selection';
 import { SpeechMenu } from './speech_menu';
 import { Spectrogram } from './spectrogram';
 import { Handles, type HandleFacts } from './handles';
@@ -23,7 +23,8 @@ import { TimeWindow } from './window';
 
 const FIRST_CHANNELS = ['jawOpen', 'mouthSmileLeft', 'browInnerUp'];
 const NEAR = 0.05; // s: so far a key is drawn to a border
-const BLENDS: readonly (readonly [Blend, string])[] = [['spline', 'auto: smooth through all keys'], ['smooth', 'flat: eases in and out at every key'], ['linear', 'linear'], ['hold', 'steps']];
+/** Tangents, what they do, and the interpolation of a whole curve that does the same at every key. */
+const TANGENTS: readonly (readonly [Tangent, string, Blend])[] = [['auto', 'smooth, without overshoot', 'spline'], ['flat', 'level at the key', 'smooth'], ['linear', 'straight to the next key', 'linear'], ['step', 'stays until the next key', 'hold']];
 
 /** A lane whose keys can be changed. */
 interface Curve {
@@ -435,10 +436,10 @@ export class Timeline {
       if (handles.dragging !== undefined) return;
       lane.element.classList.toggle('edited', facts.edited());
       const all = points();
-      handles.set(all.map(([at, value], number) => ({
-        key: `point-${number}`, at, value: to(value), edited: facts.edited(), range: [0, this.playback.seconds], chosen: this.selection.has(name, number),
+      handles.set(all.map((point, number) => { const [at, value] = point; return {
+        key: `point-${number}`, at, value: to(value), shape: tangentAt(point, facts.blend()), edited: facts.edited(), range: [0, this.playback.seconds], chosen: this.selection.has(name, number),
         label: `${name}, key ${number + 1} of ${all.length}`, text: `${facts.text(value)} at ${at.toFixed(2)} s`,
-      })));
+      }; }));
     };
     lane.head.append(button(`Taller or lower: ${name}`, () => {
       if (!this.tall.delete(lane.name)) this.tall.add(lane.name);
@@ -452,7 +453,7 @@ export class Timeline {
   private get curves(): Curve[] { return this.rows.flatMap(({ curve }) => (curve === undefined ? [] : [curve])); }
 
   private marks(curve: Curve): Marked[] {
-    return curve.points().map(([at, value], place) => ({ at, value, chosen: this.selection.has(curve.name, place) }));
+    return curve.points().map(([at, value, tangent], place) => ({ at, value, tangent, chosen: this.selection.has(curve.name, place) }));
   }
 
   /** Changes the keys of lanes (those with chosen ones), as one step of undo; `keep` false only shows it. */
@@ -461,7 +462,7 @@ export class Timeline {
     const chosen = new Map<string, Set<number>>();
     for (const curve of curves) {
       const keys = tidy(change(this.marks(curve), curve), this.playback.seconds, curve.whole);
-      const points = keys.map(({ at, value }): Point => [at, value]);
+      const points = keys.map(pointOf);
       layer = curve.changed(layer, points);
       chosen.set(curve.name, new Set(keys.flatMap((key, place) => (key.chosen ? [place] : []))));
       if (!keep && curves.length === 1) curve.show(points);
@@ -531,10 +532,10 @@ export class Timeline {
   }
 
   copy(cut = false): void {
-    const chosen = this.curves.map((curve): [string, Point[]] => [curve.name, this.marks(curve).flatMap((key): Point[] => (key.chosen ? [[key.at, key.value]] : []))]).filter(([, points]) => points.length > 0);
+    const chosen = this.curves.map((curve): [string, Point[]] => [curve.name, this.marks(curve).flatMap((key): Point[] => (key.chosen ? [pointOf(key)] : []))]).filter(([, points]) => points.length > 0);
     if (chosen.length === 0) return;
     const first = Math.min(...chosen.map(([, points]) => (points[0] as Point)[0]));
-    this.copied = new Map(chosen.map(([name, points]) => [name, points.map(([at, value]): Point => [at - first, value])]));
+    this.copied = new Map(chosen.map(([name, points]) => [name, points.map(([at, ...rest]): Point => [at - first, ...rest])]));
     if (cut) this.apply(without);
   }
 
@@ -557,7 +558,7 @@ export class Timeline {
   mirror(): void {
     const pairs = this.curves.flatMap((curve) => {
       const name = mirrored(curve.name);
-      const points = this.marks(curve).flatMap((key): Point[] => (key.chosen ? [[key.at, key.value]] : []));
+      const points = this.marks(curve).flatMap((key): Point[] => (key.chosen ? [pointOf(key)] : []));
       return name === undefined || points.length === 0 || !this.session.facts.has(name) ? [] : [{ name, points }];
     });
     for (const { name } of pairs) this.channels.toggle(name, true);
@@ -591,10 +592,35 @@ export class Timeline {
       ...item(chosen, 'Slower (times 10 % apart)', () => this.scale(1, 1.1)), ...item(chosen, 'Faster (times 10 % nearer)', () => this.scale(1, 1 / 1.1)),
       ...item(chosen && mirrored(curve.name) !== undefined, 'Copy to the other side of the face', () => this.mirror()),
       null,
-      ...BLENDS.flatMap(([blend, what]) => item(curve.points().length > 0, `${curve.blend() === blend ? '✓ ' : ''}Between keys: ${what}`, () => curve.setBlend(blend))),
-      null,
+      ...this.tangentItems(curve, chosen),
       ...item(true, 'Fit the values', () => this.fitValues(curve)), ...item(curve.range[1] - curve.range[0] < curve.whole[1] - curve.whole[0], 'All values', () => { curve.range = [...curve.whole]; this.redraw(); }),
     ];
+  }
+
+  /** Tangents of the chosen keys, or of the whole curve where none is chosen. */
+  private tangentItems(curve: Curve, chosen: boolean): Item[] {
+    const keys = this.marks(curve);
+    if (keys.length === 0) return [];
+    const now = new Set(keys.filter((key) => key.chosen || !chosen).map((key) => tangentAt(pointOf(key), curve.blend())));
+    return [{
+      label: chosen ? 'Tangent of the chosen keys' : 'Tangents of the whole lane',
+      choices: TANGENTS.map(([name, what, blend]) => ({
+        name, title: what, pressed: now.size === 1 && now.has(name),
+        act: () => { if (chosen) this.setTangent(name); else curve.setBlend(blend); },
+      })),
+    }, null];
+  }
+
+  /** How the curves pass the chosen keys. */
+  setTangent(tangent: Tangent): void { this.apply((keys) => withTangent(keys, tangent)); }
+
+  /** The next kind of tangent for the chosen keys. */
+  nextTangent(): void {
+    const [curve] = this.curves.filter(({ name }) => this.selection.lanes.includes(name));
+    const key = curve === undefined ? undefined : this.marks(curve).find(({ chosen }) => chosen);
+    if (curve === undefined || key === undefined) return;
+    const now = TANGENTS.findIndex(([name]) => name === tangentAt(pointOf(key), curve.blend()));
+    this.setTangent((TANGENTS[(now + 1) % TANGENTS.length] as typeof TANGENTS[number])[0]);
   }
 
   private valueAt(curve: Curve, at: number): number {
@@ -631,17 +657,21 @@ export class Timeline {
       button(`Reset ${name}`, () => session.commit(setIntensity(session.layer, name, [], session.speech)), { class: 'small reset' }, icon(ICONS.undo)),
       button(`Remove ${name}`, () => this.removeEmotion(name), { class: 'small' }, icon(ICONS.cross)));
     const row: Row = this.curve(lane, {
-      name: `${name} intensity`, range: [0, 1], whole: [0, 1], points: () => now().points, blend: () => now().blend,
+      name: `${name} intensity`, range: [0, 1], whole: [0, 1], points: () => now().points, blend: () => (now().blend === 'linear' ? 'linear' : 'spline'),
       edited: () => intensityEdit(this.shown, name) !== undefined, text: (value) => `${Math.round(value * 100)} %`,
       changed: (layer, points) => {
         dragged = undefined;
-        return setIntensity(layer, name, points.map(([at, value]): Point => [at, Math.round(value * 100) / 100]), session.speech, now().blend);
+        return setIntensity(layer, name, points.map(([at, value, ...rest]): Point => [at, Math.round(value * 100) / 100, ...rest]), session.speech, now().blend);
       },
       show: (points) => {
         dragged = points;
         void session.showIntensity(now(), { points, blend: now().blend });
       },
-      setBlend: (blend) => session.commit(setIntensity(session.layer, name, now().points, session.speech, blend)),
+      setBlend: (blend) => {
+        const tangent = blend === 'smooth' ? 'flat' : blend === 'hold' ? 'step' : undefined; // an intensity as a whole is linear or auto
+        const points = now().points.map(([at, value]): Point => (tangent === undefined ? [at, value] : [at, value, tangent]));
+        session.commit(setIntensity(session.layer, name, points, session.speech, blend === 'linear' ? 'linear' : 'smooth'));
+      },
     });
     lane.head.title = 'Double-click the lane to add a key';
     return row;
@@ -671,7 +701,7 @@ export class Timeline {
       edited: () => channelEdit(this.shown, name) !== undefined,
       text: (value) => `${unit === '' ? value.toFixed(2) : value.toFixed(1)}${unit}`,
       show: (keys) => session.show(changed(session.layer, keys)),
-      setBlend: (blend) => session.commit({ ...session.layer, edits: session.layer.edits.map((edit) => (edit.kind === 'channel' && edit.channel === name ? { ...edit, interpolation: blend } : edit)) }),
+      setBlend: (blend) => session.commit({ ...session.layer, edits: session.layer.edits.map((edit) => (edit.kind === 'channel' && edit.channel === name ? { ...edit, interpolation: blend, keys: edit.keys.map(({ anchor, value }) => ({ anchor, value })) } : edit)) }),
     });
     lane.head.title = 'Double-click the lane to add a key';
     return row;

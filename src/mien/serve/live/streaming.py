@@ -69,8 +69,11 @@ class Played:
     skipped: int
 
 
-def greeting_of(animation: Animation) -> Greeting:
-    """The greeting of a stream of an animation: its text, words and phones are among the facts."""
+def greeting_of(animation: Animation, loop: bool = False) -> Greeting:
+    """The greeting of a stream of an animation: its text, words and phones are among the facts.
+
+    ``loop``: it goes round and round; the fact ``round`` is how many seconds it takes each time.
+    """
     speech = animation.utterance
 
     def told(tier: Any) -> list[list[Any]]:
@@ -84,6 +87,8 @@ def greeting_of(animation: Animation) -> Greeting:
         "performer": animation.provenance.performer,
         "sound": SOUND,
     }
+    if loop:
+        facts["round"] = len(animation.channels) / animation.rate.fps
     return Greeting(animation.channels.names, animation.rate.fps, facts)
 
 
@@ -183,7 +188,7 @@ async def stream(
     sent = last = 0
     clock = clock or RealClock()
     sound = wav_of(animation.utterance.audio) if outlets.websocket is not None else None
-    async with opened_outlets(outlets, greeting_of(animation), sound) as open_to:
+    async with opened_outlets(outlets, greeting_of(animation, loop), sound) as open_to:
         open_to.prepare(Frame(0, 0.0, values[0]))
         opened(open_to.port)
         if wait:

@@ -9,10 +9,13 @@ from typing import Any
 
 from mien.core import channels
 from mien.core.errors import MissingPartError
+from mien.core.poses import read_table
 from mien.formats.registry import Exporter, exporters
+from mien.motion.effort import effort_gains
 from mien.serve.studio.settings import Limits
 from mien.serve.studio.studio_faces import DEFAULT_FACE
 from mien.serve.studio.views import CAMERAS, LIGHTS
+from mien.text.tag_elements import gaze_targets
 
 __all__ = ["about", "channel_group"]
 
@@ -40,6 +43,9 @@ def about(limits: Limits) -> dict[str, Any]:
             "edits": limits.edits,
         },
         "default_face": DEFAULT_FACE,
+        "effort": {name: list(getattr(effort_gains(), name)) for name in ("efforts", "jaw", "lips")},
+        "gazes": gaze_targets(),
+        "gaze_degrees": read_table("gaze.toml")["degrees"],
     }
 
 

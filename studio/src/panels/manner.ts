@@ -1,0 +1,101 @@
+// How it is said beside the emotion: effort, the voice's share of the emotion, where the eyes are. Each shows at once.
+import { button, make } from '../dom';
+import { looking } from '../performance';
+import type { Session } from '../session';
+import type { Stage } from '../stage';
+
+const EFFORTS: readonly (readonly [string, number])[] = [['mumbled', 0.4], ['relaxed', 0.7], ['as it is', 1], ['clear', 1.4], ['overdone', 1.9]];
+const PAD: readonly (readonly [string, string, string])[] = [
+  ['upright', '↖', 'up to your left'], ['up', '↑', 'up'], ['upleft', '↗', 'up to your right'], ['right', '←', 'to your left'], ['camera', '●', 'at the camera'],
+  ['left', '→', 'to your right'], ['downright', '↙', 'down to your left'], ['down', '↓', 'down'], ['downleft', '↘', 'down to your right'],
+];
+const LEADING = /^\s*<gaze target="(\w+)"\/>\s*/;
+
+/** Where a text has the eyes from its beginning on; `''`: nowhere in particular. */
+export const gazeOf = (text: string): string => LEADING.exec(text)?.[1] ?? '';
+export const withGaze = (text: string, target: string): string => `${target === '' ? '' : `<gaze target="${target}"/> `}${text.replace(LEADING, '')}`;
+
+export class Manner {
+  readonly element = make('div', { class: 'manner' });
+  private readonly effort = make('input', { type: 'range', min: 0, max: 2, step: 0.05, value: 1, id: 'field-effort', 'aria-describedby': 'fault-effort' });
+  private readonly effortTold = make('output', { for: 'field-effort' });
+  private readonly voice = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1, id: 'field-voice_emotion', 'aria-describedby': 'fault-voice_emotion' });
+  private readonly voiceTold = make('output', { for: 'field-voice_emotion' });
+  private readonly efforts: HTMLButtonElement[];
+  private readonly eyes: HTMLButtonElement[];
+  private was = 1; // the effort that is performed
+  private auto = true;
+
+  /** @param changed performs the line as the controls have it; `hear`: one wants to hear it too */
+  constructor(private readonly session: Session, private readonly stage: Stage, private readonly back: () => void, private readonly gaze: (target: string) => void, private readonly changed: (hear: boolean) => void) {
+    const auto = button('by itself', () => { this.auto = true; this.effort.value = '1'; this.tell(); this.changed(false); }, { class: 'small', 'data-effort': 'auto', title: 'Effort as the recording or the emotion has it' });
+    this.efforts = [auto, ...EFFORTS.map(([label, value]) => this.preset(label, value))];
+    this.eyes = PAD.map(([target, sign, what]) => this.direction(target, sign, what));
+    const own = button('Own glances', () => this.gaze(''), { class: 'small', 'data-gaze': '', title: 'The eyes move by themselves' });
+    this.eyes.push(own);
+    const fault = (name: string): HTMLElement => make('p', { class: 'fault', id: `fault-${name}`, role: 'alert', hidden: true });
+    this.element.append(
+      make('h3', { id: 'effort-title' }, 'Effort'), make('div', { class: 'presets', role: 'group', 'aria-labelledby': 'effort-title' }, ...this.efforts),
+      make('div', { class: 'strength', 'data-field': 'effort' }, make('label', { for: 'field-effort' }, 'How hard'), this.effort, this.effortTold), fault('effort'),
+      make('h3', { id: 'eyes-title' }, 'Eyes'), make('div', { class: 'eyes' }, make('div', { class: 'pad', role: 'group', 'aria-labelledby': 'eyes-title' }, ...this.eyes.slice(0, -1)), make('div', {}, own, make('p', { class: 'help' }, 'For the whole line. Inside it: the tag <gaze target="left"/>.'))),
+      make('h3', {}, 'Emotion in the voice'),
+      make('div', { class: 'strength', 'data-field': 'voice_emotion' }, make('label', { for: 'field-voice_emotion' }, 'How much'), this.voice, this.voiceTold), fault('voice_emotion'));
+    this.effort.addEventListener('input', () => { this.auto = false; this.tell(); session.showEffort(this.was, Number(this.effort.value)); });
+    this.effort.addEventListener('change', () => this.changed(false));
+    this.voice.addEventListener('input', () => this.tell());
+    this.voice.addEventListener('change', () => this.changed(true));
+    this.tell();
+  }
+
+  private preset(label: string, value: number): HTMLButtonElement {
+    const press = button(label, () => { this.auto = false; this.effort.value = String(value); this.tell(); this.session.showEffort(this.was, value); this.changed(false); }, { class: 'small', 'data-effort': value, title: `Effort ${value}` });
+    this.hover(press, () => this.session.showEffort(this.was, value));
+    return press;
+  }
+
+  private direction(target: string, sign: string, what: string): HTMLButtonElement {
+    const held = looking(this.session.about.gazes[target] ?? [0, 0], this.session.about.gaze_degrees);
+    const press = button(`Eyes ${what}`, () => this.gaze(target), { class: 'small', 'data-gaze': target, title: what }, sign);
+    this.hover(press, () => {
+      if (this.session.take === undefined) this.stage.mask({ channels: Object.keys(held), values: Object.values(held) }, 1);
+      else this.session.showHeld(held);
+    });
+    return press;
+  }
+
+  /** Shows something while the pointer is over a button. */
+  private hover(press: HTMLButtonElement, show: () => void): void {
+    press.addEventListener('pointerenter', (event) => { if (event.pointerType === 'mouse' && !this.session.working) show(); });
+    press.addEventListener('pointerleave', (event) => { if (event.pointerType === 'mouse') this.back(); });
+  }
+
+  /** As it is sent. */
+  get request(): { effort: string; voice_emotion: number } {
+    return { effort: this.auto ? 'auto' : this.effort.value, voice_emotion: Number(this.voice.value) };
+  }
+
+  /** Shows what a take was asked for, without performing it. */
+  set(effort: string, voice: number, text: string): void {
+    this.auto = !/^[\d.]+$/.test(effort);
+    this.was = this.auto ? 1 : Number(effort);
+    this.effort.value = String(this.was);
+    this.voice.value = String(voice);
+    this.look(text);
+    this.tell();
+  }
+
+  /** Marks where a text has the eyes. */
+  look(text: string): void {
+    const now = gazeOf(text);
+    for (const press of this.eyes) press.setAttribute('aria-pressed', String(press.dataset['gaze'] === now));
+  }
+
+  /** A recording has its own voice. */
+  withRecording(there: boolean): void { this.voice.disabled = there; }
+
+  private tell(): void {
+    this.effortTold.textContent = this.auto ? 'by itself' : Number(this.effort.value).toFixed(2);
+    this.voiceTold.textContent = `${Math.round(Number(this.voice.value) * 100)} %`;
+    for (const press of this.efforts) press.setAttribute('aria-pressed', String(this.auto ? press.dataset['effort'] === 'auto' : Number(press.dataset['effort']) === Number(this.effort.value)));
+  }
+}
