@@ -94,9 +94,25 @@ def test_the_page_shows_what_the_server_performs(seen):
     assert 0 <= seen["apart"] < 1e-5
 
 
+def test_a_key_has_its_own_tangent(seen):
+    assert seen["tangents"] == ["step", "flat"]
+
+
+def test_effort_and_eyes_show_before_they_are_performed(seen):
+    before, overdone, aside, back = seen["hovered"]
+    assert overdone > 1.2 * before
+    assert aside > 0.3
+    assert back == before
+
+
+def test_what_is_shown_is_sent_live_and_a_textgrid_is_taken(seen):
+    assert (seen["live"]["sending"], seen["live"]["to"], seen["live"]["kind"]) == (True, "127.0.0.1:9", "livelink")
+    assert seen["grid"]
+
+
 def test_edits_are_listed_undone_and_kept_in_another_emotion(seen):
     assert [line.split(":")[0].split(" ")[0] for line in seen["edits"]] == ["happy", "end", "jawOpen"]
-    assert len(seen["undone"]) == 1  # two keys and the border are taken back
+    assert len(seen["undone"]) == 1  # a tangent, two keys and the border are taken back
     assert len(seen["redone"]) == 2
     assert [line.split(":")[0] for line in seen["kept"]] == [seen["redone"][1].split(":")[0]]  # happy's curve gives way
     assert seen["atOnce"] > 1, "the face waits for the server"

@@ -104,6 +104,9 @@ try {
   const lane = await page.locator('.channel[data-lane=jawOpen] .body').boundingBox();
   await edited(() => page.mouse.dblclick(lane.x + lane.width * 0.3, lane.y + 9));
   await edited(() => page.mouse.dblclick(lane.x + lane.width * 0.5, lane.y + 30));
+  await page.mouse.click(lane.x + lane.width * 0.3, lane.y + 9, { button: 'right' });
+  await edited(() => page.getByRole('menuitemradio', { name: 'step' }).click());
+  seen.tangents = await page.locator('.channel[data-lane=jawOpen] .handle').evaluateAll((keys) => keys.map((key) => key.dataset.tangent));
   await settled();
   seen.apart = await page.evaluate(async () => {
     const now = window.mienStats.shown();
@@ -114,9 +117,51 @@ try {
   seen.edits = await edits();
   await page.screenshot({ path: join(folder, 'desk.png') });
 
+  // Pointing at an effort or a direction shows it before anything is performed.
+  await page.click('#tab-line');
+  const range = async (name) => { const values = await shown(name); return Math.max(...values) - Math.min(...values); };
+  seen.hovered = [await range('jawOpen')];
+  await page.hover('[data-effort="1.9"]');
+  seen.hovered.push(await range('jawOpen'));
+  await page.hover('[data-gaze=left]');
+  seen.hovered.push(Math.min(...await shown('eyeLookOutLeft')));
+  await page.mouse.move(300, 300);
+  seen.hovered.push(await range('jawOpen'));
+
+  // What is shown is sent to an engine, until the button is pressed again.
+  await page.click('[data-do=live]');
+  await page.fill('#field-to', '127.0.0.1:9');
+  await page.click('.live-dialog .primary');
+  await page.waitForSelector('[data-do=live][aria-pressed=true]');
+  seen.live = await page.evaluate(async () => (await fetch('/api/live')).json());
+  await page.click('[data-do=live]');
+  await page.waitForSelector('[data-do=live][aria-pressed=false]');
+
+  // A TextGrid is dropped.
+  const grid = await page.evaluate(async () => {
+    const { take } = window.mienStats.shown();
+    const { words, phones, seconds } = await (await fetch(`/api/takes/${take}`)).json();
+    const moved = words.map(([begin, end, word], place) => [begin, place === words.length - 1 ? end - 0.02 : end, word]);
+    const tier = (name, spans) => `"IntervalTier" "${name}" 0 ${seconds} ${spans.length} ${spans.map(([begin, end, label]) => `${begin} ${end} "${label}"`).join(' ')}`;
+    const content = `File type = "ooTextFile" Object class = "TextGrid" 0 ${seconds} <exists> 2 ${tier('words', moved)} ${tier('phones', phones)}`;
+    const files = new DataTransfer();
+    files.items.add(new File([content], 'line.TextGrid'));
+    document.dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
+    return moved.at(-1)[1];
+  });
+  await page.waitForFunction(async (end) => {
+    const { take } = window.mienStats.shown();
+    return Math.abs((await (await fetch(`/api/takes/${take}`)).json()).words.at(-1)[1] - end) < 1e-3;
+  }, grid);
+  await settled();
+  seen.grid = true;
+  await edited(() => page.keyboard.press('Control+z'));
+  await settled();
+  await page.click('#tab-edits');
+
   // Undo and redo.
   await page.mouse.move(5, 5);
-  for (let step = 0; step < 3; step++) await edited(() => page.keyboard.press('Control+z'));
+  for (let step = 0; step < 4; step++) await edited(() => page.keyboard.press('Control+z'));
   await settled();
   seen.undone = await edits();
   await edited(() => page.keyboard.press('Control+y'));

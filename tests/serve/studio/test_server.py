@@ -354,7 +354,7 @@ def test_a_line_that_is_being_written_is_made_ready(client: Client, monkeypatch:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("the text was spoken again")
 
-    monkeypatch.setattr("mien.serve.studio.workshop.spoken_text", never)
+    monkeypatch.setattr("mien.serve.studio.performing.spoken_text", never)
     assert client.take(**asked)
     assert len(client.ask("GET", "/api/takes").json["takes"]) < 20
 

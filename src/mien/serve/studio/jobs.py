@@ -14,7 +14,7 @@ from mien.core.errors import MienError
 from mien.serve.studio.lru_store import Kept
 from mien.serve.studio.settings import Limits
 
-__all__ = ["Busy", "Cancelled", "Job", "JobPool"]
+__all__ = ["Busy", "Cancelled", "Job", "JobPool", "Part"]
 
 _log = logging.getLogger("mien.serve.studio")
 
@@ -89,6 +89,23 @@ class Job:
         if self.error is not None:
             told |= {"error": self.error, "field": self.at_fault}
         return told
+
+
+class Part(Job):
+    """Work that is part of a job: it is cancelled with it, and tells nothing.
+
+    Parameters
+    ----------
+    whole : Job
+    """
+
+    def __init__(self, whole: Job) -> None:
+        super().__init__()
+        self._whole = whole
+
+    def at(self, step: str, done: float | None = None) -> None:
+        """Stop here if the whole is cancelled."""
+        self._whole.at(self._whole.step)
 
 
 Work = Callable[[Job], dict[str, Any]]

@@ -1,7 +1,6 @@
 """`Workshop`: everything the studio holds and does, without a word of HTTP.
 
-Models are loaded once, when first needed. What was spoken is kept for a while, so that a line in another emotion need
-not be spoken again. All work here runs in the threads of the `JobPool`.
+Lines are spoken and performed by `mien.serve.studio.performing`. All work here runs in the threads of the `JobPool`.
 """
 
 from __future__ import annotations
@@ -22,34 +21,25 @@ from mien.animation.animation import Animation
 from mien.animation.edits import EMPTY, EditLayer, line_of
 from mien.animation.edits.edited_emotions import asked_emotions
 from mien.core.audio import Audio
-from mien.core.errors import InputError, Note
-from mien.core.progress import listening
+from mien.core.errors import Note
 from mien.core.timeline import Tier
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
-from mien.motion.alive.visual_prosody import HandMadeProsody
-from mien.motion.performer import Performer
-from mien.motion.performers import load_performer
 from mien.pipeline.edited_performance import with_edited_channels
-from mien.pipeline.inputs import spoken_recording, spoken_text
-from mien.pipeline.options import prepared, score_with_voice, with_heard_effort
-from mien.pipeline.performance import directed
-from mien.pipeline.spoken import Spoken
 from mien.serve.studio.expressions import expressions_of
-from mien.serve.studio.given_speech import as_corrected, times_of_tiers
+from mien.serve.studio.given_speech import times_of_tiers
 from mien.serve.studio.jobs import Job, JobPool
 from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, sweep
 from mien.serve.studio.lru_store import Kept
-from mien.serve.studio.page_memory import RememberingMouth, RememberingVoice
+from mien.serve.studio.performing import Performing
 from mien.serve.studio.requests import FieldError, TakeRequest, checked_layer
 from mien.serve.studio.results import Export, ResultShelf
 from mien.serve.studio.rigs import RigShelf
 from mien.serve.studio.settings import Limits
 from mien.serve.studio.studio_faces import DEFAULT_FACE, FaceShelf
-from mien.serve.studio.studio_lines import beginnings_of, checked_script, named
-from mien.serve.studio.studio_takes import Basis, Source, Take, plain_notes
+from mien.serve.studio.studio_lines import beginnings_of, named
+from mien.serve.studio.studio_takes import Source, Take, plain_notes
 from mien.serve.studio.views import Shown
-from mien.text.score import Score
 
 __all__ = ["Changed", "Workshop"]
 
@@ -98,12 +88,10 @@ class Workshop:
         self.results = ResultShelf(self.folder, limits)
         self.rigs = RigShelf(limits)
         self._expressions: dict[str, dict[str, Any]] = {}
-        self._performers: dict[tuple[str, str | None], Performer] = {}
-        self._spoken: Kept[Spoken] = Kept("speech", _SPOKEN_KEPT)
-        self._voice = RememberingVoice(kept / "speech")
-        self._making: dict[str, RLock] = {}
+        self.performing = Performing(limits, kept / "speech")
+        self.perform = self.performing.perform
         self._ahead: tuple[TakeRequest, Job] | None = None
-        self._lock, self._waking = RLock(), RLock()
+        self._waking = RLock()
 
     def close(self) -> bool:
         """Stop all jobs and remove everything from the disk; whether every job has ended (`JobPool.close`)."""
@@ -178,7 +166,7 @@ class Workshop:
         source = None if sound is None else Source(sound, notes)
 
         def work(job: Job) -> dict[str, Any]:
-            take = self._shown_by_and_by(request, source, job, EMPTY)
+            take = self.performing.by_and_by(request, source, job, EMPTY, self._beginning)
             digest = None if source is None else self.journal.keep_sound(source)
             record = Record(named(take), time.time(), [Step(request, EMPTY, digest)])
             job.at(job.step)
@@ -209,7 +197,7 @@ class Workshop:
             source = self.journal.sound(digest) if sound is None else Source(*sound)
             kept = None if source is None else self.journal.keep_sound(source)
             edits = record.step.layer if layer is None else checked_layer(layer, self.limits)
-            take = self._shown_by_and_by(request, source, job, edits)
+            take = self.performing.by_and_by(request, source, job, edits, self._beginning)
             job.at(job.step)
             at = self.journal.get(name).at
             self.journal.change(name, at + 1, [Step(request, take.layer, kept)], at + 1)
@@ -224,14 +212,8 @@ class Workshop:
             take.revision = self.takes.get(name).revision + 1
         self.takes.put(take, take.size, name)
 
-    def _shown_by_and_by(self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer) -> Take:
-        """Perform; of a long text the beginning can be heard and seen while the rest is made."""
-        beginnings = beginnings_of(request.text) if source is None else ()
-        for beginning in beginnings:
-            with contextlib.suppress(InputError):  # what is wrong with the text is told of the whole
-                first = self.perform(replace(request, text=beginning), None, job, part=True)
-                job.shows(self.takes.put(first, first.size))
-        return self.perform(request, source, job, layer)
+    def _beginning(self, take: Take) -> str:
+        return self.takes.put(take, take.size)
 
     def steps(self, name: str, keep: int, add: Sequence[EditLayer], at: int, count: int) -> dict[str, Any]:
         """Change a take's steps: edits, undo, redo. Gives what the page must know, or the job that performs it.
@@ -335,46 +317,6 @@ class Workshop:
 
         return self.jobs.start(work)
 
-    def perform(
-        self, request: TakeRequest, source: Source | None, job: Job, layer: EditLayer = EMPTY, part: bool = False
-    ) -> Take:
-        """Speak or hear a line, and perform it; ``part``: only the beginning of what was asked for."""
-        job.at("performer", 0.02)
-        performer = self._performer(request)
-        emotions = [one for one in request.emotion if one != "auto"]
-        try:
-            _, score, rate = prepared(
-                performer, emotions, request.fps, request.seed, request.prosody, effort=request.effort
-            )
-        except InputError as problem:  # all else has been checked
-            raise FieldError("emotion", str(problem)) from problem
-        performer = replace(performer, prosody=HandMadeProsody(request.prosody))
-        job.at("listening" if source is not None else "voice", 0.1)
-
-        def heard(what: str, done: int, total: int) -> None:
-            job.at(f"{what} ({done} of {total})", None if part else 0.1 + 0.5 * done / max(total, 1))
-
-        with listening(heard):
-            spoken = self._speech(request, source, performer, score)
-        if spoken.utterance.duration > self.limits.seconds:
-            told = f"{spoken.utterance.duration:.0f} s of sound; the studio takes {self.limits.seconds:.0f} s"
-            raise FieldError("text", f"the line makes {told}")
-        if "auto" in request.emotion and source is not None:
-            job.at("emotion", 0.5)
-            score, note = score_with_voice(score, source.sound)
-            performer.expression.check(score)
-            spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
-        if source is not None:
-            score, spoken = with_heard_effort(score, spoken)
-        job.at("motion", None if part else 0.6)
-        if request.times is not None:
-            spoken = replace(spoken, utterance=as_corrected(spoken.utterance, request.times))
-        spoken, asked = directed(spoken, score)
-        basis = Basis(request, source, spoken, asked, performer, rate)
-        layer = layer.made_on(line_of(spoken.utterance).line, asked_emotions(asked))
-        under = basis.under(layer)
-        return Take(basis, under, with_edited_channels(under), layer)
-
     def edit(self, name: str, layer: EditLayer) -> tuple[int, tuple[int, int] | None]:
         """Put another layer on a take, as its next step; only what the difference asks for is performed again.
 
@@ -412,59 +354,8 @@ class Workshop:
         request = TakeRequest.of({"performer": name}, self.limits, with_sound=True)
         with self._waking:
             if name not in self._expressions:
-                self._expressions[name] = expressions_of(self._performer(request))
+                self._expressions[name] = expressions_of(self.performing.performer(request))
             return self._expressions[name]
-
-    def _performer(self, request: TakeRequest) -> Performer:
-        key = request.performer, request.speech_model
-        with self._lock:
-            if key not in self._performers:
-                loaded = load_performer(*key)
-                self._performers[key] = replace(loaded, mouth=RememberingMouth(loaded.mouth))
-            return self._performers[key]
-
-    def _speech(self, request: TakeRequest, source: Source | None, performer: Performer, score: Score) -> Spoken:
-        """What is said and when: of the voice, or in the sound; as before, if it was asked for a short while ago."""
-        sound = "" if source is None else source.digest
-        asked = (request.text, request.voice, request.language, request.seed, request.song, sound, request.performer)
-        felt = () if sound else (request.emotion, request.voice_emotion)  # a voice of ours goes with what is felt
-        return self._remembered(repr((*asked, *felt)), lambda: self._spoken_now(request, source, performer, score))
-
-    def _remembered(self, key: str, make: Callable[[], Spoken]) -> Spoken:
-        """As `make` makes it, once: who asks for the same meanwhile waits for it."""
-        with self._lock:
-            lock = self._making.setdefault(key, RLock())
-        try:
-            with lock:
-                if key not in self._spoken:
-                    self._spoken.put(make(), name=key)
-                return self._spoken.get(key)
-        finally:
-            with self._lock:
-                self._making.pop(key, None)
-
-    def _spoken_now(self, request: TakeRequest, source: Source | None, performer: Performer, score: Score) -> Spoken:
-        text = checked_script(request.text, request.language, self.limits) if request.text.strip() else None
-        if source is None:
-            assert text is not None  # `TakeRequest` has seen to it
-            return spoken_text(
-                text,
-                performer,
-                voice=request.voice,
-                language=request.language,
-                seed=request.seed,
-                score=score,
-                voice_emotion=request.voice_emotion,
-                synthesiser=self._voice,
-            )
-        return spoken_recording(
-            source.sound,
-            performer,
-            text=text,
-            language=request.language,
-            song=request.song,
-            notes=source.notes,
-        )
 
 
 def _under(layer: EditLayer) -> tuple[object, ...]:
