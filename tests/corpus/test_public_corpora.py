@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import soundfile
 
+from mien.capture.layouts import load_layout
 from mien.core.errors import InputError
 from mien.corpus.file_layout import located
 from mien.corpus.import_plan import facts_of, named
-from mien.corpus.readers import reader_named
+from mien.corpus.readers import detect, reader_named
+from mien.corpus.readers.mesh_recordings import mesh_with_faces
 from mien.corpus.recipes import load_recipe
 
 CASES = {
@@ -114,6 +116,68 @@ def test_a_folder_of_something_else_says_what_was_expected(tmp_path: Path) -> No
     (tmp_path / "holiday.mp4").write_bytes(b"")
     with pytest.raises(InputError, match="expected paths such as 'M003/video/front/angry/level_1/001'"):
         plan("mead", tmp_path)
+
+
+MESHES = {
+    "vocaset": (
+        "unposedcleaneddata/FaceTalk_170725_00137_TA/sentence01/sentence01.{:06d}.ply",
+        "audio/FaceTalk_170725_00137_TA/sentence01.wav",
+        ("FaceTalk_170725_00137_TA-sentence01", "FaceTalk_170725_00137_TA", ""),
+    ),
+    "biwi": ("faces/F1/01/frame_{:03d}.vl", "audio/F1/01.wav", ("F1-01", "F1", "")),
+    "multiface": (
+        "m--20180227--0000--6795937--GHS/tracked_mesh/SEN_a_good_morrow/{:06d}.bin",
+        "m--20180227--0000--6795937--GHS/audio/SEN_a_good_morrow.wav",
+        ("m--20180227--0000--6795937--GHS-SEN_a_good_morrow", "6795937", "a good morrow"),
+    ),
+}
+
+
+def write_mesh(path: Path, places: np.ndarray) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    raw = places.astype("<f4").tobytes()
+    if path.suffix == ".ply":
+        fields = "".join(f"property float {axis}\n" for axis in "xyz")
+        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(places)}\n{fields}end_header\n"
+        raw = head.encode() + raw
+    elif path.suffix == ".vl":
+        raw = len(places).to_bytes(4, "little") + raw
+    path.write_bytes(raw)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_meshes_are_read_as_markers(name: str, tmp_path: Path) -> None:
+    frame, sound, (take, speaker, text) = MESHES[name]
+    recipe = load_recipe(name)
+    markers = load_layout(recipe.layout).markers
+    recipe = recipe.with_changes(vertices={marker: number + 1 for number, marker in enumerate(markers)})
+    places = np.random.default_rng(1).normal(size=(4, len(markers) + 2, 3)).astype(np.float32)
+    for number in (0, 1, 3):  # one frame is missing
+        write_mesh(tmp_path / frame.format(number + 7), places[number])
+    (tmp_path / sound).parent.mkdir(parents=True, exist_ok=True)
+    soundfile.write(tmp_path / sound, np.zeros(1600), 16000)
+    takes, facts, _ = plan(name, tmp_path)
+    assert (facts[take]["speaker"], facts[take]["text"]) == (speaker, text)
+    assert takes[take].sound == tmp_path / sound
+    raw = reader_named("meshes").read(takes[take], recipe)
+    np.testing.assert_allclose(raw.markers.positions[[0, 1, 3]], places[[0, 1, 3], 1:-1], rtol=1e-6)
+    assert np.isnan(raw.markers.positions[2]).all()
+    assert raw.markers.rate.fps == recipe.fps
+    assert raw.audio is not None
+    assert detect(tmp_path).name == "meshes"
+
+
+def test_faces_come_from_a_mesh_of_as_many_vertices(tmp_path: Path) -> None:
+    first = tmp_path / "faces/F1/01/frame_001.vl"
+    write_mesh(first, np.zeros((3, 3)))
+    with pytest.raises(InputError, match=r"expected an \.obj or \.ply of 3 vertices"):
+        mesh_with_faces(tmp_path, first)
+    for name, count in (("other", 4), ("F1", 3)):
+        (tmp_path / f"{name}.obj").write_text("v 0 0 0\n" * count + "f 1 2 3\n")
+    assert mesh_with_faces(tmp_path, first).name == "F1.obj"
+    first.write_bytes(b"\x03\x00\x00\x00" + bytes(20))
+    with pytest.raises(InputError, match=r"damaged \.vl file"):
+        mesh_with_faces(tmp_path, first)
 
 
 def beat(folder: Path, frames: int = 30, names: tuple[str, ...] = ("browDownLeft", "jawOpen", "tongueOut")) -> Path:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 from mien.animation.animation import Animation
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.files import check_writable
-from mien.corpus.importing import import_corpus
+from mien.corpus import importing
 from mien.corpus.recordings import Corpus
 from mien.face.library import known_faces
 
@@ -20,7 +21,25 @@ if TYPE_CHECKING:
 
 __all__ = ["faces", "import_corpus", "learn", "load", "stimuli"]
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
 _LOADED = (".json", ".csv", ".mien")
+
+
+def _finding_markers(call: Callable[_P, _R]) -> Callable[_P, _R]:
+    """The call, with what finds markers in meshes: the rooms of corpora and of fitting do not know each other."""
+
+    @wraps(call)
+    def finding(*args: _P.args, **options: _P.kwargs) -> _R:
+        from mien.fit.mesh_markers import vertices_for
+
+        return call(*args, **{"vertices_for": vertices_for, **options})  # type: ignore[arg-type]
+
+    return finding
+
+
+import_corpus = _finding_markers(importing.import_corpus)
 
 
 def load(path: str | Path) -> Animation | Performer | Corpus:

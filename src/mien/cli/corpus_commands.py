@@ -70,7 +70,7 @@ def _add_import(parts: Any) -> None:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from mien.corpus.importing import import_corpus
+    from mien.api.corpus_calls import import_corpus
 
     with _Bar("takes", options.quiet) as bar:
         report = import_corpus(

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mien.core.errors import InputError, MienError, Note, OutputError
 from mien.core.files import held_alone, replace_when_complete
 from mien.corpus.capturing import capture_corpus
@@ -21,6 +24,7 @@ from mien.corpus.file_layout import located
 from mien.corpus.import_plan import Failure, facts_of, jobs_for, named, references, unused_rows
 from mien.corpus.import_preparation import Job, prepare_and_write
 from mien.corpus.readers import Found, detect, reader_named
+from mien.corpus.readers.mesh_recordings import mesh_with_faces, vertices_of
 from mien.corpus.recipes import Recipe, load_recipe
 from mien.corpus.recordings import Corpus, digest_of
 from mien.corpus.transcripts import own_table, read_table
@@ -31,6 +35,9 @@ __all__ = ["Failure", "ImportReport", "Progress", "import_corpus"]
 
 Progress = Callable[[int, int], None]
 """Called with how many takes are done and how many there are."""
+
+VerticesFor = Callable[[Path, NDArray[np.float64], str], Mapping[str, int]]
+"""A mesh with faces, its vertices in the file's order and a layout -> the vertex of each marker."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,7 @@ def import_corpus(
     workers: int | None = None,
     cluster: str | None = None,
     progress: Progress | None = None,
+    vertices_for: VerticesFor | None = None,
 ) -> ImportReport:
     """Make a corpus of recordings, or go on with one.
 
@@ -93,6 +101,8 @@ def import_corpus(
     workers, cluster
         As in `mien.corpus.workers.each`.
     progress : callable, optional
+    vertices_for : callable, optional
+        Finds the markers in a mesh, for recordings that are meshes; `mien.import_corpus` gives it.
 
     Returns
     -------
@@ -119,6 +129,9 @@ def import_corpus(
         raise InputError(f"{source}: expected {reader.about}, found none")
     reader.needs()
     found, passed_over = located(found, source, chosen)
+    if chosen.reader == "meshes" and not chosen.vertices and vertices_for is not None:
+        mesh = mesh_with_faces(source, found[0].motion)
+        chosen = chosen.with_changes(vertices=vertices_for(mesh, vertices_of(mesh), chosen.layout))
     takes, notes, failed = named(found, source)
     notes += passed_over
     table = table if table is not None else own_table(source)

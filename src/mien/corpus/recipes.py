@@ -67,6 +67,8 @@ class Recipe:
         What is said, by the code of the sentence.
     spelled : sequence of mapping of str to str
         What is said, where each letter of the sentence's code is a word: words by letter, place by place.
+    vertices : mapping of str to int
+        Vertex of a mesh by marker; found by the import where it is empty.
     pronunciations : mapping of str to sequence of str
         Words that these speakers say in a way of their own: ARPAbet phones, separated by blanks.
     """
@@ -96,6 +98,7 @@ class Recipe:
     spelled: Sequence[Mapping[str, str]] = ()
     emotions: Mapping[str, str] = field(default_factory=dict)
     rename: Mapping[str, str] = field(default_factory=dict)
+    vertices: Mapping[str, int] = field(default_factory=dict)
     pronunciations: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -141,6 +144,8 @@ class Recipe:
         said = {
             key: self.emotion_of(value) if key == "emotion" else value for key, value in match.groupdict("").items()
         }
+        if "text" in said:
+            said["text"] = said["text"].replace("_", " ")
         text = self.text_of(said.get("sentence", ""))
         return said | {"text": text} if text and not said.get("text") else said
 
@@ -191,8 +196,8 @@ def known_recipes() -> tuple[str, ...]:
     Examples
     --------
     >>> known_recipes()  # doctest: +NORMALIZE_WHITESPACE
-    ('beat', 'c3d', 'cremad', 'grid', 'grid-speakers', 'livelink', 'lombard-grid', 'mead', 'ravdess', 'savee',
-     'tcd-timit', 'tracks', 'video')
+    ('beat', 'biwi', 'c3d', 'cremad', 'grid', 'grid-speakers', 'livelink', 'lombard-grid', 'mead', 'multiface',
+     'ravdess', 'savee', 'tcd-timit', 'tracks', 'video', 'vocaset')
     """
     return tuple(assets_in("recipes"))
 

@@ -21,13 +21,18 @@ from mien.corpus.readers import (
     marker_tables as tracks,
 )
 from mien.corpus.readers import (
+    mesh_recordings as meshes,
+)
+from mien.corpus.readers import (
     video_recordings as video,
 )
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
 
 __all__ = ["READERS", "Found", "Raw", "Reader", "detect", "reader_named"]
 
-READERS: tuple[Reader, ...] = (grid.READER, beat.READER, c3d.READER, livelink.READER, tracks.READER, video.READER)
+READERS: tuple[Reader, ...] = (
+    *(grid.READER, beat.READER, c3d.READER, livelink.READER, tracks.READER, video.READER, meshes.READER),
+)
 """In the order in which a source is held against them."""
 
 
