@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -27,6 +28,7 @@ ENLARGED_BELOW = 960
 """Pictures whose longer side has fewer pixels are enlarged twice: the tracker's grid is coarse."""
 _LONGEST_GAP = 600.0
 """Seconds between two pictures; more is a damaged time stamp, and would be hours of the same picture."""
+_MATRIX = "<9i"
 
 
 def _needs() -> None:
@@ -143,13 +145,31 @@ def _recorded(path: Path, rate: FrameRate) -> Iterator[tuple[float, Any]]:
             ) from problem
 
 
+def _to_show(frame: Any) -> list[Any]:
+    """How a picture is turned and mirrored to be seen as it was: phones hold it as the sensor lies.
+
+    The matrix (a b u, c d v, x y w, whole numbers) takes a place to (a x + c y, b x + d y), x right and y down.
+    """
+    from av.sidedata.sidedata import Type
+    from PIL.Image import Transpose
+
+    told = frame.side_data.get(Type.DISPLAYMATRIX)
+    if told is None or len(bytes(told)) < struct.calcsize(_MATRIX):
+        return []
+    a, b, _, c, d, *_ = struct.unpack_from(_MATRIX, bytes(told))
+    swapped = abs(b) + abs(c) > abs(a) + abs(d)
+    across, down = (c, b) if swapped else (a, d)
+    changes = [Transpose.TRANSPOSE] if swapped else []
+    changes += [Transpose.FLIP_LEFT_RIGHT] if across < 0 else []
+    return changes + ([Transpose.FLIP_TOP_BOTTOM] if down < 0 else [])
+
+
 def _rgb(frame: Any, scale: float) -> NDArray[np.uint8]:
     from PIL import Image
 
     picture = frame.to_image()
-    turned = int(getattr(frame, "rotation", 0) or 0) % 360
-    if turned:
-        picture = picture.rotate(turned, expand=True)
+    for change in _to_show(frame):
+        picture = picture.transpose(change)
     if scale != 1.0:
         picture = picture.resize(
             (round(picture.width * scale), round(picture.height * scale)), Image.Resampling.BICUBIC
