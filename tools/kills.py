@@ -25,6 +25,7 @@ from pathlib import Path
 from tests.corpus.recordings import write_csv, write_npz, write_speech
 from tests.fit.heads import mesh_of, other_shape
 from tests.metrics.synthetic import corpus
+from tools.processor_time import spent
 
 MIEN = (sys.executable, "-m", "mien")
 _TABLE = "name,voice,sentence,still_ms,width,height,performer\n"
@@ -57,7 +58,19 @@ def made_inputs(folder: Path) -> list[Command]:
         ("batch", lambda out: ["batch", str(lines), "-o", str(out / "b"), "--format", ".csv", "--workers", "2"]),
         ("say", lambda out: ["say", "Hello there.", "-o", str(out / "a.glb"), "--also", str(out / "a.mp4")]),
         ("face-fit", lambda out: ["face", "fit", str(head), "-o", str(out / "f.npz"), "--also", str(out / "f.glb")]),
-        ("evaluate", lambda out: ["evaluate", str(taught), "--workers", "2", "--report", str(out / "r.md")]),
+        (
+            "evaluate",
+            lambda out: [
+                "evaluate",
+                str(taught),
+                "--protocol",
+                "random",
+                "--workers",
+                "2",
+                "--report",
+                str(out / "r.md"),
+            ],
+        ),
         ("recolor", lambda out: ["recolor", str(motion), "--to", "angry", "-o", str(out / "r.json")]),
         ("animate", lambda out: ["animate", sound, "-o", str(out / "a.c3d"), "--also", str(out / "a.usdz")]),
         ("express", lambda out: ["express", str(motion), "-o", str(out / "e.gif"), "--also", str(out / "e.webm")]),
@@ -78,17 +91,6 @@ def left(temporary: Path) -> list[str]:
     return [
         str(path.relative_to(temporary)) for path in temporary.rglob("*") if not path.is_dir() and path.stat().st_size
     ]
-
-
-def spent(session: int) -> float:
-    """Processor seconds of a session's programs; the clock on the wall says little on a busy machine."""
-    ticks = 0
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            fields = stat.read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
-            if int(fields[3]) == session:
-                ticks += sum(map(int, fields[11:15]))
-    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def killed(arguments: list[str], after: float, environment: dict[str, str]) -> bool:

@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 from tools.fuzz.mutator import mutated
 from tools.fuzz.targets import TARGETS, Target
+from tools.processor_time import spent
 
 from mien.core.errors import MienError
 
@@ -82,6 +83,7 @@ def _run(targets: list[Target], seconds: float, seed: int, out: Path, work: Path
             _batch(target, seeds[target.name], [seed, number, batch], work, outcomes[target.name], known, out)
             if time.monotonic() - began >= seconds:
                 break
+        print(f"{(time.monotonic() - began) / 60:.1f} minutes, batch {batch + 1}, faults: {len(known)}", flush=True)
         batch += 1
     _report(outcomes, (time.monotonic() - began) / 60)
     return 1 if known else 0
@@ -149,6 +151,7 @@ def _where(what: str) -> str:
 
 
 def _child(target: Target, seeds: list[bytes], seed: list[int], first: int, work: Path, log: Path) -> None:
+    os.setsid()  # so that what it starts is counted, and ended, with it
     place = work / "in"
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir()
@@ -213,24 +216,15 @@ def _watch(child: int, log: Path) -> str:
             return "" if status == 0 else f"crash ({status})"
         now = log.stat().st_size
         if now != size:
-            size, since, used = now, time.monotonic(), _processor_seconds(child)
-        worked = _processor_seconds(child) - used
+            size, since, used = now, time.monotonic(), spent(child)
+        worked = spent(child) - used
         slow = worked > SECONDS or (worked < _ASLEEP and time.monotonic() - since > 8 * SECONDS)
         kind = "hang" if slow else "memory" if _megabytes(child) - held > MEGABYTES else ""
         if kind:
-            os.kill(child, 9)
+            os.killpg(child, 9)
             os.waitpid(child, 0)
             return kind
-        time.sleep(0.02)
-
-
-def _processor_seconds(child: int) -> float:
-    """What a process has used; the clock on the wall says little on a busy machine."""
-    try:
-        fields = Path(f"/proc/{child}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    except OSError:
-        return 0.0
+        time.sleep(0.1)
 
 
 def _megabytes(child: int) -> float:

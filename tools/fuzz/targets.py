@@ -400,6 +400,90 @@ def _performers(folder: Path) -> list[Path]:
     return [folder / "a.mien"]
 
 
+def _table_of(folder: str, read: Callable[[], object]) -> Callable[[Path], object]:
+    """A table of the user's own, where mien looks for such tables."""
+
+    def read_own(path: Path) -> object:
+        import os
+
+        from mien.core import assets
+
+        place = path.parent / "own" / folder / "mine.toml"
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_bytes(path.read_bytes())
+        os.environ["MIEN_TABLES"] = str(path.parent / "own")
+        assets._table.cache_clear()
+        try:
+            return read()
+        finally:
+            del os.environ["MIEN_TABLES"]
+
+    return read_own
+
+
+def _light(path: Path) -> object:
+    from mien.face.render.lighting import Lighting
+
+    return Lighting.named(str(path))
+
+
+def _own_emotion() -> object:
+    from mien.core.emotions import emotions
+
+    emotions.cache_clear()
+    return emotions()
+
+
+def _own_person() -> object:
+    from mien.face.cast.person import person_named
+
+    return person_named("mine")
+
+
+def _project(path: Path) -> object:
+    from mien.serve.studio.journal import Journal
+    from mien.serve.studio.projects import read_project
+    from mien.serve.studio.settings import Limits
+    from mien.serve.studio.studio_faces import FaceShelf
+
+    limits, folder = Limits(), path.parent / "kept"
+    return read_project(path.read_bytes(), Journal(folder, limits), FaceShelf(folder / "faces", limits), limits)
+
+
+def _journal(path: Path) -> object:
+    from mien.serve.studio.journal import Journal
+    from mien.serve.studio.settings import Limits
+
+    folder = path.parent / "journal"
+    (folder / "takes").mkdir(parents=True, exist_ok=True)
+    (folder / "takes" / "abcdefgh.jsonl").write_bytes(path.read_bytes())
+    return Journal(folder, Limits())
+
+
+_STEP = {
+    "request": {"text": "Hello.", "emotion": "happy:0.5"},
+    "layer": {"format": "mien-edits", "version": 1, "edits": []},
+    "sound": None,
+}
+_TAKE = {"name": "a", "made": 1.5, "steps": [_STEP], "at": 0}
+_LINES = (_TAKE, {"keep": 1, "add": [_STEP], "at": 1}, {"name": "b"})
+
+
+def _projects(folder: Path) -> list[bytes]:
+    stream = io.BytesIO()
+    told = {"format": "mien-project", "version": 1, "takes": {"abcdefgh": _TAKE}, "page": {"zoom": 1}}
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("project.json", json.dumps(told))
+    return [stream.getvalue()]
+
+
+def _stl(folder: Path) -> list[bytes]:
+    corners = np.arange(24, dtype="<f4").reshape(2, 12)
+    body = b"".join(row.tobytes() + b"\0\0" for row in corners)
+    text = "solid x\nfacet normal 0 0 1\nouter loop\n" + "vertex 0 1 2\n" * 3 + "endloop\nendfacet\nendsolid x\n"
+    return [bytes(80) + b"\2\0\0\0" + body, text.encode()]
+
+
 SCRIPT = (
     'I <emotion name="happy:0.5">never</emotion> said <HeadNod count="2"/> that. <break time="300ms"/> 3 < 4 &amp; '
     '<prosody rate="slow">Maybe</prosody> <phoneme alphabet="ipa" ph="ˈpiːpəl">people</phoneme> <mark name="m1"/>'
@@ -463,5 +547,12 @@ TARGETS: tuple[Target, ...] = (
     Target("layout", ".toml", _by_name("mien.capture.layouts", "load_layout"), _of_assets("markers/*.toml")),
     Target("classifier", ".npz", _call("mien.emotion.emotion_classifier", "load_classifier"), _learned),
     Target("performer", ".mien", _call("mien.motion.performer_file", "load_learned"), _performers),
+    Target("stl", ".stl", _mesh, _stl),
+    Target("camera", ".toml", _call("mien.face.render.camera", "camera_table"), _of_assets("render/cameras/*.toml")),
+    Target("light", ".toml", _light, _of_assets("render/lights/*.toml")),
+    Target("emotion", ".toml", _table_of("performance/emotions", _own_emotion), _of_assets("performance/emotions/*.toml")),
+    Target("person", ".toml", _table_of("faces/cast", _own_person), _of_assets("faces/cast/*.toml")),
+    Target("project", ".zip", _project, _projects),
+    Target("journal", ".jsonl", _journal, _lines("\n".join(map(json.dumps, _LINES)))),
     Target("stream", ".bin", _stream, _stream_messages),
 )  # fmt: skip

@@ -95,6 +95,6 @@ def unknown_name(what: str, given: str, known: Iterable[str]) -> InputError:
     from difflib import get_close_matches
 
     names = sorted(known)
-    near = get_close_matches(given, names, n=1)
+    near = get_close_matches(str(given), names, n=1)
     guess = f" did you mean {near[0]!r}?" if near else ""
     return InputError(f"unknown {what} {given!r}:{guess} known: {', '.join(names)}")

@@ -1,7 +1,9 @@
+import re
 from pathlib import Path
 
 import pytest
 
+from mien.core.assets import asset
 from mien.core.errors import InputError
 from mien.face.cast.person import blended, cast_names, made_up, person_called, person_named
 
@@ -70,3 +72,13 @@ def test_a_face_of_ones_own_is_one_file(tmp_path: Path, monkeypatch: pytest.Monk
 def test_a_share_that_is_none_is_refused(name: str) -> None:
     with pytest.raises(InputError, match=r"NAME\+NAME:0..1"):
         person_called(name)
+
+
+def test_a_table_with_something_of_another_kind_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "faces" / "cast"
+    folder.mkdir(parents=True)
+    text = asset("faces/cast/amara.toml").read_text(encoding="utf-8")
+    (folder / "mine.toml").write_text(re.sub(r"(?m)^hair = .*$", "hair = 3", text), encoding="utf-8")
+    monkeypatch.setenv("MIEN_TABLES", str(tmp_path))
+    with pytest.raises(InputError, match="unknown cut of hair 3"):
+        person_named("mine")

@@ -9,6 +9,8 @@ import zipfile
 from collections.abc import Iterable
 from typing import Any
 
+from mien.core.border import reading
+from mien.core.errors import InputError
 from mien.serve.studio.bodies import parsed
 from mien.serve.studio.journal import Journal, Record, record_of
 from mien.serve.studio.requests import FieldError
@@ -54,10 +56,10 @@ def read_project(content: bytes, journal: Journal, faces: FaceShelf, limits: Lim
         If it is none, or is too large.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        with reading("the file", "a project of mien's studio"), zipfile.ZipFile(io.BytesIO(content)) as archive:
             return _read(archive, journal, faces, limits)
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as problem:
-        raise FieldError("project", f"this file is no project of mien's studio ({problem})") from problem
+    except InputError as problem:
+        raise problem if isinstance(problem, FieldError) else FieldError("project", str(problem)) from problem
 
 
 def _read(archive: zipfile.ZipFile, journal: Journal, faces: FaceShelf, limits: Limits) -> dict[str, Any]:
