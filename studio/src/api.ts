@@ -1,5 +1,5 @@
 // The server, as functions. Every failure is an ApiError with one line for the person and the field it concerns.
-import type { PartPlace } from './rig/editor';
+import type { PartShape } from './rig/editor';
 import type { Influences, TreeData } from './rig/tree';
 import type { About, History, Job, Layer, Listed, Take, TakeRequest } from './types';
 
@@ -118,10 +118,15 @@ export const startExport = async (id: string, asked: ExportRequest): Promise<str
   (await read<{ job: string }>(`/api/takes/${id}/export`, json('POST', asked))).job;
 
 export interface RigFault { line?: number | null; parameter?: string | null; text: string }
-export const getRig = (id: string): Promise<{ config: TreeData; parts: PartPlace[] }> => read(`/api/rigs/${id}`);
+export const getRig = (id: string): Promise<{ config: TreeData; face: string }> => read(`/api/rigs/${id}`);
+export async function getRigMesh(id: string): Promise<PartShape[]> {
+  const { parts } = await read<{ parts: { name: string; vertices: string; triangles: string }[] }>(`/api/rigs/${id}/mesh`);
+  const bytes = (packed: string): ArrayBuffer => Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer;
+  return parts.map(({ name, vertices, triangles }) => ({ name, vertices: new Float32Array(bytes(vertices)), triangles: new Uint32Array(bytes(triangles)) }));
+}
 export const getInfluences = (id: string): Promise<Influences> => read(`/api/rigs/${id}/influence`);
-export const addRig = (text: string): Promise<{ rig: string }> => read('/api/rigs', { method: 'POST', headers: { 'Content-Type': 'text/plain' }, body: text });
-export const checkRig = (config: TreeData): Promise<{ ok: boolean; faults: RigFault[] }> => read('/api/rigs/check', json('POST', { config }));
+export const addRig = (text: string, face: string): Promise<{ rig: string }> => read(`/api/rigs?face=${encodeURIComponent(face)}`, { method: 'POST', headers: { 'Content-Type': 'text/plain' }, body: text });
+export const checkRig = (config: TreeData, face: string): Promise<{ ok: boolean; faults: RigFault[] }> => read('/api/rigs/check', json('POST', { config, face }));
 export const putRig = (id: string, config: TreeData): Promise<{ rig: string }> => read(`/api/rigs/${id}`, json('PUT', { config }));
 export const rigText = async (id: string): Promise<string> => (await ask(`/api/rigs/${id}.txt`)).text();
 

@@ -73,14 +73,7 @@ async function start(): Promise<void> {
   const page = new PageKeeper(() => state());
   const line = new LinePanel(session, stage, back, () => page.touch(), () => { playback.seek(playback.loop?.[0] ?? 0); void playback.play(); });
   const face = new FacePanel(session, stage, () => { show(); void line.emotions.draw(face.id); page.touch(); });
-  const faceBefore = { id: '' };
-  rig = new RigPanel(session, stage, async () => {
-    faceBefore.id = face.id;
-    if (face.id !== session.about.default_face) await face.show(session.about.default_face);
-  }, () => {
-    if (faceBefore.id !== session.about.default_face) void face.show(faceBefore.id);
-    show();
-  });
+  rig = new RigPanel(session, stage, () => ({ id: face.id, name: face.name }), show);
   const files = new ExportPanel(session, () => ({ face: face.id, light: lights.value, camera: views.value }));
   const takes = new TakesPanel(session, (take) => void compared.choose(take), (opened) => look(opened as PageState));
   const tabs = new Tabs([

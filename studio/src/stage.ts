@@ -26,6 +26,7 @@ export class Stage {
   private readonly scene = new Scene();
   readonly quality: Quality;
   private face: Group | undefined;
+  private other: Object3D | undefined;
   private lamps = new Group();
   private box = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
   private region = this.box;
@@ -81,6 +82,7 @@ export class Stage {
     this.face = scene;
     this.rig = rig;
     this.scene.add(scene);
+    scene.visible = this.other === undefined;
     this.box = new Box3().setFromObject(scene);
     this.region = region;
     this.light(this.lighting);
@@ -101,6 +103,22 @@ export class Stage {
         material.dispose();
       }
     });
+  }
+
+  /** Shows another object in the place of the face, framed like it (undefined: the face again). */
+  instead(object: Object3D | undefined): void {
+    if (this.other !== undefined) this.scene.remove(this.other);
+    this.other = object;
+    if (this.face !== undefined) this.face.visible = object === undefined;
+    if (object !== undefined) {
+      this.scene.add(object);
+      const box = new Box3().setFromObject(object);
+      this.camera.aspect = this.backdrop.clientWidth / Math.max(this.backdrop.clientHeight, 1);
+      this.controls.target.copy(frameBox(box, this.camera, { fill: 1.15, height: 0.5, around: 20, above: 4 }));
+      this.controls.minDistance = (box.max.y - box.min.y) * 0.1;
+      this.controls.update();
+    } else this.view('portrait');
+    this.touch();
   }
 
   add(object: Object3D): void { this.scene.add(object); this.touch(); }

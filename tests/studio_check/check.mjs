@@ -119,14 +119,13 @@ try {
 
   // Pointing at an effort or a direction shows it before anything is performed.
   await page.click('#tab-line');
-  const range = async (name) => { const values = await shown(name); return Math.max(...values) - Math.min(...values); };
-  seen.hovered = [await range('jawOpen')];
+  seen.hovered = [sum(await shown('jawOpen'))];
   await page.hover('[data-effort="1.9"]');
-  seen.hovered.push(await range('jawOpen'));
+  seen.hovered.push(sum(await shown('jawOpen')));
   await page.hover('[data-gaze=left]');
   seen.hovered.push(Math.min(...await shown('eyeLookOutLeft')));
   await page.mouse.move(300, 300);
-  seen.hovered.push(await range('jawOpen'));
+  seen.hovered.push(sum(await shown('jawOpen')));
 
   // What is shown is sent to an engine, until the button is pressed again.
   await page.click('[data-do=live]');

@@ -25,6 +25,9 @@ export class FacePanel {
     this.file.addEventListener('change', () => void this.upload(this.file.files?.[0]));
   }
 
+  /** What the face is called that is shown. */
+  get name(): string { return this.cast.querySelector<HTMLElement>('[aria-pressed=true]')?.title ?? this.id; }
+
   /** All faces that can be shown, as pictures; those that were opened keep what drives them. */
   async list(): Promise<void> {
     const faces = await api.faces();

@@ -25,14 +25,16 @@ export class RigPanel {
   private readonly erase = make('input', { type: 'checkbox' });
   private readonly paint = button('Paint', () => this.setPainting(!(this.editor?.painting ?? false)), { 'aria-pressed': 'false', id: 'paint' });
   private readonly undo = button('Undo', () => this.editor?.undo(), { disabled: true });
+  private readonly own = button('Tree of this face', () => void this.load(this.faceNow().id), { id: 'load-tree' });
   /** The server's name for the tree that is open. */
-  id = 'default';
+  id = '';
+  private face = '';
 
-  /** @param enter called before the editor takes the stage: shows the default face at rest; `leave` when it gives it back */
-  constructor(private readonly session: Session, private readonly stage: Stage, private readonly enter: () => Promise<void>, private readonly leave: () => void) {
+  /** @param faceNow the face that is shown; `leave` is called when the editor gives the stage back */
+  constructor(private readonly session: Session, private readonly stage: Stage, private readonly faceNow: () => { id: string; name: string }, private readonly leave: () => void) {
     this.element.append(
-      make('p', { class: 'help' }, 'The tree of rotations and translations that can move the default face: what each parameter moves, and how.'),
-      make('div', { class: 'actions' }, button('Default tree', () => void this.load('default'), { id: 'load-tree' }),
+      make('p', { class: 'help' }, 'A face can be moved by a tree of turns (jaw, eyes, head) and shifts (lips, brows …) instead of its shapes. Here you see what each of them moves, and change it. It works on any face that the Face panel shows.'),
+      make('div', { class: 'actions' }, this.own,
         make('label', { class: 'button', for: 'field-tree' }, 'Open a .tree …'), this.file),
       make('p', { class: 'fault', id: 'fault-config', role: 'alert', hidden: true }), this.body);
     this.body.append(
@@ -91,11 +93,12 @@ export class RigPanel {
     showFault('config', null);
     await this.session.work(async () => {
       this.session.emit('busy', { state: 'running', step: 'reading the tree' });
-      const [{ config, parts }, influences] = await Promise.all([api.getRig(id), api.getInfluences(id)]);
+      const { config, face } = await api.getRig(id);
+      const [influences, shapes] = await Promise.all([api.getInfluences(id), api.getRigMesh(id)]);
       const shown = this.shown;
       this.hide();
-      this.id = id;
-      this.editor = new RigEditor(this.stage, config, influences, parts, () => this.tell());
+      [this.id, this.face] = [id, face];
+      this.editor = new RigEditor(this.stage, config, influences, shapes, () => this.tell());
       this.setBrush();
       options(this.parameter, config.parameters.filter(({ kind }) => kind !== 'fixed').map((one): [string, string] => [one.name, `${'  '.repeat(depth(config.parameters, one))}${one.name}`]), this.editor.chosen);
       this.body.hidden = false;
@@ -108,7 +111,7 @@ export class RigPanel {
     this.file.value = '';
     if (file === undefined) return;
     try {
-      const { rig } = await api.addRig(await file.text());
+      const { rig } = await api.addRig(await file.text(), this.faceNow().id);
       await this.load(rig);
     } catch (problem) {
       this.session.tell(problem, 'config');
@@ -117,9 +120,9 @@ export class RigPanel {
 
   /** Takes the stage, if a tree is open. */
   async show(): Promise<void> {
+    this.own.textContent = `Tree of ${this.faceNow().name}`;
     if (this.editor === undefined || this.shown) return;
     this.shown = true;
-    await this.enter();
     this.editor.open();
   }
 
@@ -182,7 +185,7 @@ export class RigPanel {
 
   /** Why a configuration was refused, with the lines at fault where there are any. */
   private async faults(config: TreeData, problem: unknown): Promise<string> {
-    const { faults } = await api.checkRig(config).catch(() => ({ faults: [] as api.RigFault[] }));
+    const { faults } = await api.checkRig(config, this.face).catch(() => ({ faults: [] as api.RigFault[] }));
     if (faults.length === 0) return problem instanceof Error ? problem.message : String(problem);
     return faults.slice(0, 3).map(({ line, text }) => (line ? `line ${line}: ${text}` : text)).join('; ');
   }

@@ -1,7 +1,6 @@
 // The face under its parameter tree: weights as colours, a brush, the axis of the chosen parameter.
 import {
-  BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, SphereGeometry,
-  Vector3, type Material, type Object3D,
+  BufferAttribute, BufferGeometry, DoubleSide, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, MeshLambertMaterial, SphereGeometry, Vector3,
 } from 'three';
 import type { Stage } from '../stage';
 import { deformed, matrices, painted, withWeights, type Influences, type ParameterData, type TreeData } from './tree';
@@ -9,9 +8,10 @@ import { deformed, matrices, painted, withWeights, type Influences, type Paramet
 const MM = 1000; // the GLB is in metres
 const AXIS_MM = 70;
 
-export interface PartPlace { name: string; vertices: number; mesh: string; primitive: number }
+/** A part of the face at rest, mm. */
+export interface PartShape { name: string; vertices: Float32Array; triangles: Uint32Array }
 export interface BrushSettings { radius: number; strength: number; mirrored: boolean; erase: boolean }
-interface Part { name: string; mesh: Mesh; rest: Float32Array; toLocal: Matrix4; before: Float32Array; material: Material | Material[]; colours: BufferAttribute | undefined }
+interface Part { name: string; mesh: Mesh; rest: Float32Array }
 interface Step { tree: TreeData; influences: Influences; painted: Set<string> }
 
 export class RigEditor {
@@ -23,9 +23,9 @@ export class RigEditor {
   private step: Step;
   private done: Step[] = [];
   private marks = new Group();
-  private readonly surface = new MeshLambertMaterial({ vertexColors: true });
+  private readonly surface = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide });
 
-  constructor(private readonly stage: Stage, tree: TreeData, influences: Influences, private readonly places: readonly PartPlace[], private readonly changed: () => void) {
+  constructor(private readonly stage: Stage, tree: TreeData, influences: Influences, private readonly shapes: readonly PartShape[], private readonly changed: () => void) {
     this.step = { tree, influences, painted: new Set() };
     this.chosen = tree.parameters.find(({ kind }) => kind !== 'fixed')?.name ?? '';
   }
@@ -37,29 +37,17 @@ export class RigEditor {
   // ------------------------------------------------------------ on and off the stage
 
   open(): void {
-    this.stage.pose([], []);
-    this.stage.draw(false);
-    this.parts = this.places.flatMap((place) => {
-      const mesh = meshOf(this.stage.meshes(), place);
-      return mesh === undefined ? [] : [partOf(place.name, mesh)];
-    });
-    for (const { mesh } of this.parts) mesh.material = this.surface;
-    this.stage.add(this.marks);
+    this.parts = this.shapes.map((shape) => partOf(shape, this.surface));
+    const model = new Group();
+    model.add(...this.parts.map(({ mesh }) => mesh), this.marks);
     this.show();
+    this.stage.instead(model);
   }
 
   close(): void {
-    for (const { mesh, before, material, colours } of this.parts) {
-      mesh.material = material;
-      if (colours === undefined) mesh.geometry.deleteAttribute('color');
-      else mesh.geometry.setAttribute('color', colours);
-      const position = mesh.geometry.getAttribute('position') as BufferAttribute;
-      (position.array as Float32Array).set(before);
-      position.needsUpdate = true;
-    }
+    this.stage.instead(undefined);
+    for (const { mesh } of this.parts) mesh.geometry.dispose();
     this.parts = [];
-    this.stage.remove(this.marks);
-    this.stage.touch();
   }
 
   // ------------------------------------------------------------ the picture
@@ -70,12 +58,9 @@ export class RigEditor {
     for (const part of this.parts) {
       const vertices = deformed(this.tree, this.step.influences, part.name, part.rest, moved);
       const position = part.mesh.geometry.getAttribute('position') as BufferAttribute;
-      const point = new Vector3();
-      for (let v = 0; v < position.count; v++) {
-        point.fromArray(vertices, 3 * v).divideScalar(MM).applyMatrix4(part.toLocal);
-        position.setXYZ(v, point.x, point.y, point.z);
-      }
+      vertices.forEach((at, i) => { (position.array as Float32Array)[i] = at / MM; });
       position.needsUpdate = true;
+      part.mesh.geometry.computeVertexNormals();
       part.mesh.geometry.boundingSphere = null;
       part.mesh.geometry.boundingBox = null;
       if (colours) this.colour(part);
@@ -202,20 +187,15 @@ export class RigEditor {
   }
 }
 
-function meshOf(meshes: readonly Mesh[], { mesh: name, primitive }: PartPlace): Mesh | undefined {
-  const alone = meshes.find((mesh) => mesh.name === name);
-  if (alone !== undefined) return alone;
-  const siblings = meshes.filter((mesh) => (mesh.parent as Object3D | null)?.name === name);
-  return siblings[primitive];
-}
-
-function partOf(name: string, mesh: Mesh): Part {
-  const position = mesh.geometry.getAttribute('position') as BufferAttribute;
-  const before = (position.array as Float32Array).slice();
-  mesh.updateWorldMatrix(true, false);
-  const [rest, point] = [new Float32Array(before.length), new Vector3()];
-  for (let v = 0; v < position.count; v++) point.fromArray(before, 3 * v).applyMatrix4(mesh.matrixWorld).multiplyScalar(MM).toArray(rest, 3 * v);
-  return { name, mesh, rest, toLocal: mesh.matrixWorld.clone().invert(), before, material: mesh.material, colours: mesh.geometry.getAttribute('color') as BufferAttribute | undefined };
+function partOf({ name, vertices, triangles }: PartShape, surface: MeshLambertMaterial): Part {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(vertices.map((at) => at / MM), 3));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  geometry.computeVertexNormals();
+  const mesh = new Mesh(geometry, surface);
+  mesh.name = name;
+  mesh.frustumCulled = false;
+  return { name, mesh, rest: vertices };
 }
 
 /** Grey without weight; blue, green, yellow, red as it rises; violet below zero. */

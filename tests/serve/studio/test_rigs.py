@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ import pytest
 from mien.face.library import load_face
 from mien.face.tree_config import parse_tree
 from mien.face.tree_of_face import tree_of_face
+from mien.formats.gltf import write_glb
+from tests.faces import tiny_animation, tiny_face
 from tests.serve.studio.client import Client, studio
 
 SMALL = """mien-tree 1
@@ -43,10 +47,30 @@ def test_the_default_rig_is_the_tree_of_the_default_face(client: Client) -> None
     assert told["config"]["format"] == "mien-tree"
     tree = tree_of_face(load_face("default"))
     assert [parameter["name"] for parameter in told["config"]["parameters"]] == [p.name for p in tree.parameters]
-    face = load_face("default")
-    assert [(part["name"], part["vertices"]) for part in told["parts"]] == [
-        (part.name, len(part.vertices)) for part in face.parts
-    ]
+    assert told["face"] == "default"
+
+
+def shapes(client: Client, rig: str) -> dict[str, np.ndarray]:
+    parts = client.ask("GET", f"/api/rigs/{rig}/mesh").json["parts"]
+    return {part["name"]: np.frombuffer(b64decode(part["vertices"]), "<f4").reshape(-1, 3) for part in parts}
+
+
+def test_any_face_has_a_tree(client: Client, tmp_path: Path) -> None:
+    write_glb(tiny_animation(1), tiny_face(), tmp_path / "own.glb")
+    own = client.ask("POST", "/api/faces", (tmp_path / "own.glb").read_bytes()).json["face"]
+    told = client.ask("GET", f"/api/rigs/{own}").json
+    names = [parameter["name"] for parameter in told["config"]["parameters"]]
+    assert told["face"] == own
+    assert {"trunk", "headYaw", "0_eye_left_left_yaw"} <= set(names)
+    rest = np.concatenate(list(shapes(client, own).values()))
+    assert 50 < np.ptp(rest[:, 1]) < 1000, "mm"
+    drive = next(p for p in told["config"]["parameters"] if "jawOpen" in p["drives"])
+    asked = {"values": {drive["name"]: 10 if drive["kind"] == "rotation" else 1}}
+    posed = np.frombuffer(client.ask("POST", f"/api/rigs/{own}/pose", asked).body, "<f4").reshape(-1, 3)
+    assert np.linalg.norm(posed - rest, axis=1).max() > 1
+    saved = client.ask("PUT", f"/api/rigs/{own}", {"config": told["config"]}).json["rig"]
+    assert client.ask("GET", f"/api/rigs/{saved}").json["face"] == own
+    assert client.ask("GET", "/api/rigs/nowhere").status == 404
 
 
 def test_a_file_opened_is_data_and_a_file_again(client: Client, rig: str) -> None:

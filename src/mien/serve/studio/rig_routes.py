@@ -8,7 +8,9 @@ import json
 from aiohttp import web
 
 from mien.serve.studio.bodies import read_bytes, read_json
+from mien.serve.studio.packing import packed
 from mien.serve.studio.requests import FieldError
+from mien.serve.studio.studio_faces import DEFAULT_FACE
 from mien.serve.studio.workshop import Workshop
 
 __all__ = ["RigRoutes"]
@@ -42,12 +44,11 @@ class RigRoutes:
         )
 
     async def rig(self, request: web.Request) -> web.Response:
-        """A configuration as data, with the parts of the face."""
+        """A configuration as data, and whose it is."""
         name = request.match_info["id"]
         async with self._turn:
-            content = await asyncio.to_thread(lambda: self.rigs.get(name).content)
-            parts = await asyncio.to_thread(lambda: self.rigs.parts)
-        body = b'{"rig":%s,"parts":%s,"config":%s}' % (_json(name), _json(parts), content)
+            rig = await asyncio.to_thread(self.rigs.get, name)
+        body = b'{"rig":%s,"face":%s,"config":%s}' % (_json(name), _json(rig.face), rig.content)
         return web.Response(body=body, content_type="application/json")
 
     async def text(self, request: web.Request) -> web.Response:
@@ -64,15 +65,16 @@ class RigRoutes:
         return web.Response(body=content, content_type="application/json")
 
     async def mesh(self, request: web.Request) -> web.Response:
-        """The face that the trees move, at rest."""
-        content = await asyncio.to_thread(lambda: self.rigs.mesh)
-        return web.Response(body=content, content_type="application/json")
+        """The face that a tree moves, at rest."""
+        async with self._turn:
+            content = await asyncio.to_thread(self.rigs.mesh, request.match_info["id"])
+        return await packed(request, content, "application/json", {"Cache-Control": "no-cache"})
 
     async def check(self, request: web.Request) -> web.Response:
         """The faults of a configuration."""
         asked = await read_json(request, self.limits, self.limits.upload_bytes)
         async with self._turn:
-            faults = await asyncio.to_thread(self.rigs.check, asked.get("config"))
+            faults = await asyncio.to_thread(self.rigs.check, asked.get("config"), _face(asked.get("face")))
         return web.json_response({"ok": not faults, "faults": faults})
 
     async def save(self, request: web.Request) -> web.Response:
@@ -90,7 +92,7 @@ class RigRoutes:
         except UnicodeDecodeError as problem:
             raise FieldError("body", f"expected a .tree file, UTF-8 text; byte {problem.start} is not") from problem
         async with self._turn:
-            name, rig = await asyncio.to_thread(self.rigs.open, text)
+            name, rig = await asyncio.to_thread(self.rigs.open, text, _face(request.query.get("face")))
             content = await asyncio.to_thread(lambda: rig.content)
         return web.Response(body=b'{"rig":%s,"config":%s}' % (_json(name), content), content_type="application/json")
 
@@ -100,6 +102,10 @@ class RigRoutes:
         async with self._turn:
             content = await asyncio.to_thread(self.rigs.posed, request.match_info["id"], asked.get("values"))
         return web.Response(body=content, content_type="application/octet-stream")
+
+
+def _face(asked: object) -> str:
+    return asked if isinstance(asked, str) and asked else DEFAULT_FACE
 
 
 def _json(value: object) -> bytes:

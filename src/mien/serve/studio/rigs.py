@@ -1,19 +1,16 @@
-"""Parameter trees for the deformation editor: the shipped face's own, and those that were edited or opened."""
+"""Parameter trees for the deformation editor: those of the faces themselves, and those that were edited or opened."""
 
 from __future__ import annotations
 
 import json
 from base64 import b64encode
 from dataclasses import asdict, dataclass
-from functools import cached_property
 from threading import RLock
 from typing import Any
 
 import numpy as np
 
-from mien.core.channels import TONGUE
 from mien.core.errors import InputError
-from mien.face.library import load_face
 from mien.face.model import Face
 from mien.face.parameter_tree import ParameterTree
 from mien.face.tree_config import parse_tree, tree_text
@@ -22,11 +19,12 @@ from mien.face.tree_of_face import tree_of_face
 from mien.serve.studio.lru_store import Kept
 from mien.serve.studio.requests import FieldError
 from mien.serve.studio.settings import Limits
+from mien.serve.studio.studio_faces import DEFAULT_FACE, FaceShelf
 
-__all__ = ["DEFAULT_RIG", "Rig", "RigShelf"]
+__all__ = ["Rig", "RigShelf"]
 
-DEFAULT_RIG = "default"
 _MOST_FAULTS = 50
+_DERIVED = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +38,15 @@ class Rig:
     text : str
         The same as a configuration file.
     tree : ParameterTree
-        On the default face.
+        On its face.
+    face : str
+        Id of the face that it moves.
     """
 
     content: bytes
     text: str
     tree: ParameterTree
+    face: str
 
     @property
     def size(self) -> int:
@@ -54,78 +55,81 @@ class Rig:
 
 
 class RigShelf:
-    """The trees of one studio."""
+    """The trees of one studio. The id of a face is that of the tree derived from its targets.
 
-    def __init__(self, limits: Limits) -> None:
+    Parameters
+    ----------
+    limits : Limits
+    faces : FaceShelf
+    """
+
+    def __init__(self, limits: Limits, faces: FaceShelf) -> None:
+        self._faces = faces
         self._kept: Kept[Rig] = Kept("rig", limits.rigs, limits.kept_bytes)
-        self._default: Rig | None = None
+        self._derived: Kept[Rig] = Kept("rig", _DERIVED)
+        self._shapes: Kept[Face] = Kept("face", _DERIVED)
         self._lock = RLock()
 
-    @cached_property
-    def face(self) -> Face:
-        """The face that the trees move."""
-        return load_face("default")
-
-    @cached_property
-    def _vertices(self) -> dict[str, Any]:
-        return {part.name: part.vertices for part in self.face.parts}
+    def face(self, name: str) -> Face:
+        """The face of an id with a target for each channel; raises `mien.serve.studio.lru_store.Missing`."""
+        with self._lock:
+            if name not in self._shapes:
+                self._shapes.put(self._faces.shape(name), name=name)
+            return self._shapes.get(name)
 
     def get(self, name: str) -> Rig:
-        """A rig by its id; raises `mien.serve.studio.lru_store.Missing`."""
-        if name != DEFAULT_RIG:
+        """A rig by its id, or that of a face; raises `mien.serve.studio.lru_store.Missing`."""
+        if name in self._kept or not self._faces.holds(name):
             return self._kept.get(name)
         with self._lock:
-            if self._default is None:
-                tree = tree_of_face(self.face)
-                text = tree_text(tree, "derived from the morph targets of the default face")
-                self._default = Rig(_json(config_data(parse_tree(text))), text, tree)
-            return self._default
+            if name not in self._derived:
+                tree = tree_of_face(self.face(name))
+                text = tree_text(tree, f"derived from the morph targets of the face {self._faces.called(name)}")
+                self._derived.put(Rig(_json(config_data(parse_tree(text))), text, tree, name), name=name)
+            return self._derived.get(name)
 
-    def known(self, name: str) -> str:
-        """The same id, if there is a rig of it; raises `mien.serve.studio.lru_store.Missing`. Quick, unlike `get`."""
-        if name != DEFAULT_RIG:
-            self._kept.get(name)
-        return name
+    def face_of(self, name: str) -> str:
+        """Id of the face that a rig moves; raises `mien.serve.studio.lru_store.Missing`. Quick, unlike `get`."""
+        return name if name not in self._kept and self._faces.holds(name) else self._kept.get(name).face
 
-    def check(self, config: object) -> list[dict[str, Any]]:
+    def check(self, config: object, face: str = DEFAULT_FACE) -> list[dict[str, Any]]:
         """Every fault of a configuration: its line in the file, its parameter, and what is wrong; at most 50."""
         if not isinstance(config, dict):
             return [{"line": None, "parameter": None, "text": "expected a configuration, an object"}]
         try:
-            return [asdict(fault) for fault in check_data(config, self._vertices)[:_MOST_FAULTS]]
+            return [asdict(fault) for fault in check_data(config, self._vertices(face))[:_MOST_FAULTS]]
         except InputError as problem:
             return [{"line": None, "parameter": None, "text": str(problem)}]
 
     def save(self, name: str, config: object) -> str:
-        """Keep a configuration; under ``default`` it is kept as a new one. Gives its id.
+        """Keep a configuration; under the id of a face it is kept as a new one. Gives its id.
 
         Raises
         ------
         FieldError
             If it has a fault.
         """
-        if name != DEFAULT_RIG:
-            self._kept.get(name)
+        face = self.face_of(name)
         if not isinstance(config, dict):
             raise FieldError("config", "expected a configuration, an object")
-        return self._kept_as(None if name == DEFAULT_RIG else name, _text_of(config), config)
+        return self._kept_as(name if name in self._kept else None, _text_of(config), config, face)
 
-    def open(self, text: str) -> tuple[str, Rig]:
-        """Read a configuration file.
+    def open(self, text: str, face: str = DEFAULT_FACE) -> tuple[str, Rig]:
+        """Read a configuration file, for a face.
 
         Raises
         ------
         FieldError
             With the lines at fault.
         """
-        name = self._kept_as(None, text, None)
+        name = self._kept_as(None, text, None, face)
         return name, self._kept.get(name)
 
-    def _kept_as(self, name: str | None, text: str, config: dict[str, Any] | None) -> str:
+    def _kept_as(self, name: str | None, text: str, config: dict[str, Any] | None, face: str) -> str:
         try:
             parsed = parse_tree(text, "rig.tree")
-            tree = parsed.on(self._vertices)
-            rig = Rig(_json(config_data(parsed) if config is None else config), text, tree)
+            tree = parsed.on(self._vertices(face))
+            rig = Rig(_json(config_data(parsed) if config is None else config), text, tree, face)
         except InputError as problem:
             raise FieldError("config", str(problem)) from problem
         return self._kept.put(rig, rig.size, name)
@@ -134,25 +138,28 @@ class RigShelf:
         """What every parameter moves, vertex by vertex."""
         return influence_data(self.get(name).tree)
 
-    @cached_property
-    def mesh(self) -> bytes:
-        """The face at rest as JSON: for each part its vertices (float32, mm) and triangles (uint32), base64."""
+    def _vertices(self, face: str) -> dict[str, Any]:
+        return {part.name: part.vertices for part in self.face(face).parts}
+
+    def mesh(self, name: str) -> bytes:
+        """A rig's face at rest as JSON: for each part its vertices (float32, mm) and triangles (uint32), base64."""
 
         def packed(values: Any, kind: str) -> str:
             return b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
 
         parts = [
             {"name": part.name, "vertices": packed(part.vertices, "<f4"), "triangles": packed(part.triangles, "<u4")}
-            for part in self.face.parts
+            for part in self.face(self.face_of(name)).parts
         ]
         return json.dumps({"parts": parts}).encode()
 
     def posed(self, name: str, values: object) -> bytes:
-        """Vertices under parameter values, part after part as `parts` lists them: float32, little-endian, mm.
+        """Vertices under parameter values, part after part as `mesh` lists them: float32, little-endian, mm.
 
         The plain reference that a page's own posing is held against.
         """
-        tree = self.get(name).tree
+        rig = self.get(name)
+        tree = rig.tree
         names = [parameter.name for parameter in tree.parameters]
         row = np.zeros(len(names))
         if not isinstance(values, dict):
@@ -164,20 +171,9 @@ class RigShelf:
                 raise FieldError("values", f"{parameter} is a number, not {str(value)[:20]}")
             row[names.index(parameter)] = value
         return b"".join(
-            np.asarray(tree.deform(part.name, part.vertices, row), dtype="<f4").tobytes() for part in self.face.parts
+            np.asarray(tree.deform(part.name, part.vertices, row), dtype="<f4").tobytes()
+            for part in self.face(rig.face).parts
         )
-
-    @cached_property
-    def parts(self) -> list[dict[str, Any]]:
-        """The parts of the face in order, and where each is in its GLB: mesh and number of the primitive."""
-        eyeballs = {eye.part for eye in self.face.eyes}
-        told, counts = list[dict[str, Any]](), dict[str, int]()
-        for part in self.face.parts:
-            mesh = part.name if part.name in eyeballs else ("tongue" if set(part.targets) & set(TONGUE) else "face")
-            number = counts.get(mesh, 0)
-            counts[mesh] = number + 1
-            told.append({"name": part.name, "vertices": len(part.vertices), "mesh": mesh, "primitive": number})
-        return told
 
 
 def _json(config: dict[str, Any]) -> bytes:

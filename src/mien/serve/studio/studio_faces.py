@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import shutil
 from collections import defaultdict
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -19,6 +20,7 @@ from mien.core.assets import asset
 from mien.core.errors import InputError, OutputError
 from mien.core.files import replace_when_complete
 from mien.face.library import known_faces, load_face
+from mien.face.model import Face
 from mien.serve.studio.light_glb import light_glb
 from mien.serve.studio.lru_store import Kept, Missing, new_id
 from mien.serve.studio.requests import FieldError
@@ -130,6 +132,33 @@ class FaceShelf:
         """A face as GLB; raises `mien.serve.studio.lru_store.Missing`."""
         return self.own_glb(name) if name in known_faces() else self._foreign.get(name).path.read_bytes()
 
+    def holds(self, name: str) -> bool:
+        """Whether there is a face of this id."""
+        return name in known_faces() or name in self._foreign
+
+    def called(self, name: str) -> str:
+        """What a face is called."""
+        return name if name in known_faces() else self._foreign.get(name).name
+
+    def shape(self, name: str) -> Face:
+        """A face with a target for each channel that moves it; raises `mien.serve.studio.lru_store.Missing`.
+
+        Raises
+        ------
+        FieldError
+            If an uploaded one cannot be laid out.
+        """
+        from mien.face.foreign.drawn import drawn_face
+        from mien.face.foreign.known_face import known_face
+
+        if name in known_faces():
+            return load_face(name)
+        path = self._foreign.get(name).path
+        try:
+            return _one_word_each(drawn_face(known_face(path), pictures=False).by_channels())
+        except InputError as problem:
+            raise FieldError("config", str(problem).replace(str(path), "the GLB")) from problem
+
     def to_write(self, name: object) -> Path | None:
         """The uploaded GLB of an id, to be driven; None for the shipped ones.
 
@@ -143,6 +172,13 @@ class FaceShelf:
         if not isinstance(name, str) or name not in self._foreign:
             raise FieldError("face", "there is no such face (any more): open the GLB again")
         return self._foreign.get(name).path
+
+
+def _one_word_each(face: Face) -> Face:
+    """The same face, its parts called so that a line of a tree can name them."""
+    names = {part.name: re.sub(r"[^\w.-]+", "_", part.name) for part in face.parts}
+    parts = tuple(replace(part, name=names[part.name]) for part in face.parts)
+    return replace(face, parts=parts, eyes=tuple(replace(eye, part=names[eye.part]) for eye in face.eyes))
 
 
 def _removed(path: Path) -> None:

@@ -25,6 +25,7 @@ from mien.core.errors import Note
 from mien.core.timeline import Tier
 from mien.face.deformers import with_tree
 from mien.face.library import load_face
+from mien.face.model import Face
 from mien.pipeline.edited_performance import with_edited_channels
 from mien.serve.studio.expressions import expressions_of
 from mien.serve.studio.given_speech import times_of_tiers
@@ -86,7 +87,7 @@ class Workshop:
         self.takes: Kept[Take] = Kept("take", limits.takes, limits.kept_bytes)
         self.faces = FaceShelf(kept / "faces", limits)
         self.results = ResultShelf(self.folder, limits)
-        self.rigs = RigShelf(limits)
+        self.rigs = RigShelf(limits, self.faces)
         self._expressions: dict[str, dict[str, Any]] = {}
         self.performing = Performing(limits, kept / "speech")
         self.perform = self.performing.perform
@@ -300,18 +301,16 @@ class Workshop:
         """Queue the writing of files."""
         animation = self.take(name).animation
         foreign = self.faces.to_write(shown.face)
-        if shown.rig is not None and (shown.face not in (None, DEFAULT_FACE) or not isinstance(shown.rig, str)):
-            raise FieldError("rig", "a rig moves the default face: leave 'face' out")
-        rig = None if shown.rig is None else self.rigs.known(str(shown.rig))
+        rig = None if shown.rig is None else str(shown.rig)
+        if rig is not None and self.rigs.face_of(rig) != (shown.face or self.rigs.face_of(rig)):
+            raise FieldError("rig", "this rig moves another face: leave 'face' out")
 
         def work(job: Job) -> dict[str, Any]:
             job.at("face")
-            own = (
-                load_face(str(shown.face or DEFAULT_FACE) if foreign is None else DEFAULT_FACE)
-                if rig is None
-                else with_tree(self.rigs.face, self.rigs.get(rig).tree)
-            )
-            export = Export(own if foreign is None else foreign, shown, formats)
+            own: Face | Path = foreign or load_face(str(shown.face or DEFAULT_FACE))
+            if rig is not None:
+                own = with_tree(self.rigs.face(self.rigs.face_of(rig)), self.rigs.get(rig).tree)
+            export = Export(own, shown, formats)
             made, called, notes = self.results.export(animation, export, job)
             return {"file": f"/api/files/{made}/{called}", "notes": plain_notes(notes)}
 
