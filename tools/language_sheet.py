@@ -24,7 +24,7 @@ from mien.face.model import Face
 from mien.face.posing import Poser
 from mien.face.render.camera import Camera
 from mien.face.render.renderer import Renderer
-from mien.formats.contact_sheet import contact_sheet, in_plain_letters
+from mien.formats.contact_sheet import contact_sheet
 from mien.motion.performers import load_performer
 from mien.pipeline.perform import perform
 from mien.text.languages import Language, find_language, in_english_phones
@@ -72,7 +72,7 @@ def pictures(language: Language, face: Face) -> tuple[list[np.ndarray], list[str
         phone = line.utterance.native.intervals[place + 1]
         frame = RATE.nearest_frame(phone.start + share * phone.duration)
         images.append(renderer.render(poser.pose(line.channels.values[frame])))
-        captions.append(in_plain_letters(caption))
+        captions.append(caption)
     return images, captions
 
 

@@ -60,6 +60,8 @@ def _emotions() -> Iterable[Row]:
     performer = load_performer("default")
     yield "neutral", "as spoken"
     for name in performer.expression.names:
+        if name == "neutral":
+            continue
         yield name, f"--emotion {name}, {name}:0.6 for less, '{name}[0.5-1.2]' for a stretch (seconds)"
 
 

@@ -28,6 +28,7 @@ __all__ = [
     "MissingPartError",
     "Note",
     "OutputError",
+    "near_names",
     "unknown_name",
 ]
 
@@ -84,6 +85,29 @@ class Note:
     message: str
 
 
+def near_names(given: str, known: Iterable[str], most: int = 3) -> list[str]:
+    """Names that were perhaps meant: nearly the same, or with a part that is, in any letters.
+
+    Examples
+    --------
+    >>> near_names("nod", ["HeadNod", "Blink"]), near_names("haert", ["kokoro-heart", "espeak"])
+    (['HeadNod'], ['kokoro-heart'])
+    """
+    import re
+    from difflib import get_close_matches
+
+    names = list(known)
+    short = given[:80]
+    near = get_close_matches(short, names, n=most)
+    parts: dict[str, list[str]] = {}
+    for name in names:
+        for part in {name.lower(), *(part.lower() for part in re.findall(r"[A-Z]?[a-z]+|\d+", name))}:
+            parts.setdefault(part, []).append(name)
+    for part in () if near else get_close_matches(short.lower(), parts, n=most, cutoff=0.75):
+        near += [name for name in parts[part] if name not in near]
+    return near[:most]
+
+
 def unknown_name(what: str, given: str, known: Iterable[str]) -> InputError:
     """Make the error for a name that is not known, with the nearest one that is.
 
@@ -92,9 +116,7 @@ def unknown_name(what: str, given: str, known: Iterable[str]) -> InputError:
     >>> str(unknown_name("emotion", "hapy", ["happy", "sad"]))
     "unknown emotion 'hapy': did you mean 'happy'? known: happy, sad"
     """
-    from difflib import get_close_matches
-
     names = sorted(known)
-    near = get_close_matches(str(given), names, n=1)
+    near = near_names(str(given), names, 1)
     guess = f" did you mean {near[0]!r}?" if near else ""
     return InputError(f"unknown {what} {given!r}:{guess} known: {', '.join(names)}")

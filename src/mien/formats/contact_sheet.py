@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from mien.animation.animation import Animation
-from mien.core.assets import asset_table
+from mien.core.assets import asset
 from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.core.utterance import PAUSE
@@ -20,7 +18,7 @@ from mien.face.deformers import poser_for
 from mien.face.model import Face
 from mien.face.render.view import View
 
-__all__ = ["contact_sheet", "in_plain_letters", "key_frames", "write_contact_sheet"]
+__all__ = ["contact_sheet", "key_frames", "write_contact_sheet"]
 
 Picture = NDArray[np.uint8]
 _MOST, _COLUMNS = 24, 6
@@ -66,7 +64,7 @@ def contact_sheet(images: Sequence[Picture], labels: Sequence[str], columns: int
     columns = min(columns, len(images))
     rows = -(-len(images) // columns)
     sheet = Image.new("RGB", (columns * step_x + _GAP, rows * step_y + _GAP), _PAPER)
-    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(text)
+    draw, font = ImageDraw.Draw(sheet), ImageFont.truetype(asset("fonts/dejavu-sans.ttf"), text)
     for number, (image, label) in enumerate(zip(images, labels, strict=True)):
         x, y = _GAP + number % columns * step_x, _GAP + number // columns * step_y
         sheet.paste(Image.fromarray(image), (x, y))
@@ -126,25 +124,7 @@ def write_contact_sheet(
     renderer = (view or View(camera="head")).of_size(*_CELL).renderer(face)
     frames = key_frames(animation)
     images = [renderer.render(poser.pose(animation.channels.values[frame])) for frame, _ in frames]
-    labels = [f"{in_plain_letters(label)}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]
+    labels = [f"{label}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]
     with replace_when_complete(path) as unfinished:
         Image.fromarray(contact_sheet(images, labels, _COLUMNS)).save(unfinished, format="PNG")
     return ()
-
-
-@cache
-def _plain_letters() -> dict[int, str]:
-    table = asset_table("languages/ascii.toml")
-    return str.maketrans(table["signs"])
-
-
-def in_plain_letters(label: str) -> str:
-    """A phone in letters that every font has.
-
-    Examples
-    --------
-    >>> in_plain_letters("øː"), in_plain_letters("AY")
-    ('oe:', 'AY')
-    """
-    plain = unicodedata.normalize("NFD", label.translate(_plain_letters()))
-    return plain.encode("ascii", "ignore").decode("ascii") or "?"

@@ -17,7 +17,7 @@ from html import unescape
 from typing import Literal
 from xml.parsers import expat
 
-from mien.core.errors import InputError
+from mien.core.errors import InputError, near_names
 from mien.core.limits import check_size
 
 __all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text", "unknown_tag"]
@@ -173,7 +173,7 @@ class _UnknownTags:
 
 def unknown_tag(event: Event, known: Collection[str], source: str) -> InputError:
     """The error for a tag that is not known, with the nearest ones that are."""
-    near = get_close_matches(event.text[:80], known, n=3)
+    near = near_names(event.text, known)
     guess = f"did you mean {' or '.join(f'<{name}>' for name in near)}?" if near else "docs/script.md lists the tags;"
     return InputError(
         f"{source}, line {event.line}: unknown tag <{event.text[:80]}>: {guess} write &lt; where it is meant as text"

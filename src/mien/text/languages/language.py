@@ -20,7 +20,7 @@ from mien.text.phones import phone_table
 __all__ = ["ENGLISH", "Language", "Segment", "find_language", "known_languages", "plain_sign"]
 
 ENGLISH = "en-US"
-_COMMON = ("ascii", "ipa")
+_COMMON = ("ipa",)
 _READERS = ("letters", "espeak")
 _CEDILLA = "\u0327"  # part of a letter, as in ç
 _MARKS = "ːˑˈˌ.ʰʲʷʼ˞‿-"
