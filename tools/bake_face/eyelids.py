@@ -62,10 +62,25 @@ def fit_lids(head: Head, eye_radius: float) -> list[Edges]:
         skin.shapes[blink] = (1 - _AT_REST) * skin.shapes[blink]
         for name, (other, share) in _FOLLOWING.items():
             skin.shapes[name + side] = skin.shapes[name + side] + share * skin.shapes[other + side]
-        for name in (kind + side for kind in _MOVING):
-            skin.shapes[name][outside] += _clearance(skin.vertices, skin.shapes[name], outside, centre, eye_radius)
+        _clear(head, side, outside, centre, eye_radius)
         edges.append(lids)
     return edges
+
+
+def close_lids(head: Head, edges: list[Edges], eye_radius: float) -> None:
+    """Make blinks shut and lids clear the eyeballs again, after shapes were changed; ``edges`` as `fit_lids` gave."""
+    skin = head.skin
+    for side, hole, lids, centre in zip(("Left", "Right"), head.eye_holes, edges, head.eye_centres, strict=True):
+        blink = "eyeBlink" + side
+        skin.shapes[blink] = skin.shapes[blink] + lids.closing(skin.posed(**{blink: 1.0}), _OVERLAP, _CORNER_OVERLAP)
+        row = rows_around(skin.triangles, hole, 14, len(skin.vertices))
+        _clear(head, side, np.flatnonzero(row >= _MARGIN_RING - 1), centre, eye_radius)
+
+
+def _clear(head: Head, side: str, outside: Ints, centre: Floats, eye_radius: float) -> None:
+    skin = head.skin
+    for name in (kind + side for kind in _MOVING):
+        skin.shapes[name][outside] += _clearance(skin.vertices, skin.shapes[name], outside, centre, eye_radius)
 
 
 def _pushed_out(points: Floats, centre: Floats, radius: float) -> Floats:

@@ -8,10 +8,11 @@ from head import Head
 from sculpt import smoothstep
 
 _SEALED = 0.05  # mm of air between lips that touch
+_ROLLED = -0.2  # the same of rolled lips, which overlap: two rolls add up
 _CHEEK = 3.0  # mm from the middle of the row of teeth to the cheek's inside
 _PALATE = -50.0  # y over which the lining is pressed down, mm
 # Shapes of a closed mouth; the lips stay together in each of them.
-_CLOSED = (
+CLOSED = (
     "jawForward", "jawLeft", "jawRight", "mouthPucker", "mouthLeft", "mouthRight", "mouthSmileLeft", "mouthSmileRight",
     "mouthFrownLeft", "mouthFrownRight", "mouthDimpleLeft", "mouthDimpleRight", "mouthStretchLeft",
     "mouthStretchRight", "mouthRollLower", "mouthRollUpper", "mouthShrugLower", "mouthPressLeft", "mouthPressRight",
@@ -38,11 +39,18 @@ def seal_lips(head: Head) -> Edges:
     skin.vertices = skin.vertices + lips.closing(skin.vertices, _SEALED)
     for name, share in _TAMED.items():
         skin.shapes[name] = skin.shapes[name] * share
-    for name in _CLOSED:
-        skin.shapes[name] = skin.shapes[name] + lips.closing(skin.posed(**{name: 1.0}), _SEALED, smooth=4.0)
+    seal_shapes(head, lips)
+    return lips
+
+
+def seal_shapes(head: Head, lips: Edges) -> None:
+    """The part of it that concerns shapes."""
+    skin = head.skin
+    for name in CLOSED:
+        wanted = _ROLLED if "Roll" in name else _SEALED
+        skin.shapes[name] = skin.shapes[name] + lips.closing(skin.posed(**{name: 1.0}), wanted, smooth=4.0)
     together = skin.posed(jawOpen=1.0, mouthClose=1.0)
     skin.shapes["mouthClose"] = skin.shapes["mouthClose"] + lips.closing(together, -_SEALED)
-    return lips
 
 
 def line_mouth(head: Head, front: float) -> None:

@@ -89,6 +89,7 @@ def _parts(text: str) -> tuple[str, ...]:
 
 
 def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also: Any) -> int:
+    from math import isnan
     from pathlib import Path
 
     from mien.core.errors import InputError
@@ -104,6 +105,8 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
     done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, lent, options.mesh)
     print(_report(done, len(landmarks)))
     refused = [finding.words for finding in done.findings if finding.kind == "refusal"]
+    if isnan(done.lip_gap) and isnan(done.lid_gap):
+        refused.append(f"neither lips nor lids that part were found on its {len(done.kept)} vertices")
     if refused:
         raise InputError(f"{options.mesh}: the fit is not kept: {'; '.join(refused)}; give --landmarks by hand")
     if own_file:

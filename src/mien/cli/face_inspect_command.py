@@ -33,4 +33,5 @@ def _inspect(options: argparse.Namespace) -> int:
         with replace_when_complete(table) as unfinished:
             unfinished.write_text(names_table(face), encoding="utf-8")
     print(json.dumps(report.as_dict(), indent=2, ensure_ascii=False) if options.json else "\n".join(report.lines()))
+    face.require_motion()
     return 0

@@ -50,7 +50,7 @@ class FittedHead:
     ----------
     face : Face
     fit : SurfaceFit
-        The default skin bent onto the head.
+        The default skin bent onto the head, in the face's axes.
     alignment : Alignment
     lip_gap, lid_gap : float
         What is left open between the lips in ``jawOpen`` with ``mouthClose`` (over what is open at rest; 98th
@@ -209,13 +209,12 @@ class _Builder:
         folded = _folded(vertices, triangles, targets)
         self._tell(folded, lip_gap, lid_gap)
         kept_in_file = self.head.kept[kept]
-        loose = tuple(
-            (self.head.kept[np.unique(self.head.triangles[piece.triangles])], motion.of([piece]))
-            for piece in self.head.pieces
-            if piece.kind != "skin"
-        )
+        others = [piece for piece in self.head.pieces if piece.kind != "skin"]
+        numbers = np.unique(self.head.triangles[~self.head.of("skin")])
+        loose = ((self.head.kept[numbers], motion.of(others)),) if others else ()
+        fit = replace(self.fit, vertices=self.skin)
         return FittedHead(
-            face, self.fit, self.alignment, lip_gap, lid_gap, folded, kept_in_file, len(kept) - whole, loose,
+            face, fit, self.alignment, lip_gap, lid_gap, folded, kept_in_file, len(kept) - whole, loose,
             judged(face, self.skin, lip_gap, lid_gap), tuple(self.notes),
         )  # fmt: skip
 

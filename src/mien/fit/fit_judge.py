@@ -29,7 +29,7 @@ _BOUNDS: dict[str, tuple[str, float, float]] = {
     "upper": ("upper teeth move by {:.2f} mm when the jaw opens", 0.2, np.inf),
     "lower": ("lower teeth bend by {:.2f} mm when the jaw opens", 0.5, np.inf),
     "irises": ("irises seen between the lids: {:.0%}", 0.2, -1.0),
-    "lips": ("lips part by {:.0f} mm at full jaw", 8.0, -1.0),
+    "lips": ("lips part by {:.0f} mm at full jaw", 8.0, 2.0),
     "shut": ("lips stay {:.1f} mm apart over an open jaw", 1.5, np.inf),
     "lids": ("lids are {:.1f} mm apart at rest", 3.0, -1.0),
     "blink": ("lids stay {:.1f} mm apart in a blink", 1.0, np.inf),

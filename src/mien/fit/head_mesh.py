@@ -28,6 +28,8 @@ Indices = NDArray[np.int32]
 
 FARTHEST_MM = 320.0  # from the origin: what a face file can hold
 _OPPOSED = -0.5
+_IN_MOUTH = ("upper", "lower", "tongue")
+_ROUND_MM, _ROUND_SAMPLES = 6.0, 2000  # about how thick teeth and tongue are
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +104,9 @@ def prepared_mesh(
         _check_landmarks_on_mesh(points, triangles, given, where)
     welded = _welded(points, triangles)
     label = _components(triangles, welded)
-    triangles = _wound_outward(points, triangles, welded, label, template, template_triangles, notes)
     pieces = kinds_of_pieces(points, triangles, label, eyes, places)
+    round_ones = np.isin(label, [label[piece.triangles[0]] for piece in pieces if piece.kind in _IN_MOUTH])
+    triangles = _wound_outward(points, triangles, welded, label, round_ones, template, template_triangles, notes)
     if not any(piece.kind == "skin" for piece in pieces):
         raise InputError(f"{where}: no piece of the mesh carries the landmarks of the face")
     return HeadMesh(points, triangles, welded, pieces, kept, tuple(notes))
@@ -207,11 +210,15 @@ def _wound_outward(
     triangles: Indices,
     welded: Indices,
     label: NDArray[np.int64],
+    round_ones: NDArray[np.bool_],
     template: Floats,
     template_triangles: Indices,
     notes: list[Note],
 ) -> Indices:
-    """Turn round pieces whose normals look inward, told by the default skin laid on the head."""
+    """Turn round pieces whose normals look inward, told by the default skin laid on the head.
+
+    ``round_ones`` (t,) are triangles of teeth and tongues: these lie by the lips, which would outvote them.
+    """
     corner = points[triangles]
     facing = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     middle = corner.mean(axis=1)
@@ -224,10 +231,25 @@ def _wound_outward(
     # Of pieces that lie off the skin, and of closed ones (eyeballs, teeth), their own volume tells.
     off = np.bincount(label, away < 15.0) < 0.5 * np.bincount(label)
     inward = np.where(off | (_open_share(welded[triangles], label) < 0.02), volume < 0, inward)
+    if round_ones.any():
+        bulge = np.bincount(label[round_ones], _bulging(middle[round_ones], facing[round_ones]), len(inward))
+        inward = np.where(bulge != 0, bulge < 0, inward)
     turned = inward[label]
     if turned.any():
         notes.append(Note("note", f"faces that looked inward, turned round: {int(turned.sum())}"))
     return np.where(turned[:, None], triangles[:, ::-1], triangles).astype(np.int32)
+
+
+def _bulging(middle: Floats, facing: Floats) -> Floats:
+    """How far each triangle looks away from the middle of what lies about it: positive on a rod, open or bent."""
+    some = slice(None, None, max(1, len(middle) // _ROUND_SAMPLES))
+    tree = cKDTree(middle[some])
+    near = cKDTree(middle).sparse_distance_matrix(tree, _ROUND_MM, output_type="coo_matrix")
+    weight = np.linalg.norm(facing[some], axis=1)
+    about = sparse.csr_matrix((weight[near.col], (near.row, near.col)), (len(middle), len(weight)))
+    total = about.sum(axis=1)
+    centres = np.where(total > 0, (about @ middle[some]) / np.maximum(total, 1e-12), middle)
+    return np.asarray(np.einsum("td,td->t", facing, middle - centres))
 
 
 def _open_share(triangles: Indices, label: NDArray[np.int64]) -> Floats:

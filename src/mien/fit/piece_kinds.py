@@ -176,17 +176,20 @@ class _Mouth:
 
 
 def _upper_and_lower(pieces: list[Piece], used: list[Floats], mouth: _Mouth) -> list[Piece]:
-    """Teeth, single or in rows, by the widest gap in height between their middles."""
+    """Teeth, single or in rows, by a gap in height between their middles."""
     teeth = [i for i, piece in enumerate(pieces) if piece.kind == "tooth"]
     if not teeth:
         return pieces
     height = np.array([(used[i][:, 1].max() + used[i][:, 1].min()) / 2 for i in teeth])
     order = np.sort(height)
     border = mouth.middle[1]
-    gaps = np.diff(order)
-    near = np.abs((order[1:] + order[:-1]) / 2 - border) < 0.35 * mouth.width
-    if len(gaps) and (gaps * near).max() > _GAP_MM:
-        widest = int(np.argmax(gaps * near))
+    below = np.arange(1, len(order))
+    total = np.cumsum(order)[:-1]
+    apart = (order.sum() - total) / (len(order) - below) - total / below  # of the means above and below each gap
+    near = np.maximum(1 - np.abs((order[1:] + order[:-1]) / 2 - border) / (0.35 * mouth.width), 0)
+    score = below * (len(order) - below) * apart**2 * near * (np.diff(order) > _GAP_MM)  # (Otsu 1979)
+    if score.max(initial=0.0) > 0:
+        widest = int(np.argmax(score))
         border = (order[widest] + order[widest + 1]) / 2
     for i, middle in zip(teeth, height, strict=True):
         pieces[i] = replace(pieces[i], kind="upper" if middle > border else "lower")

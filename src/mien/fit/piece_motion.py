@@ -6,7 +6,7 @@ roots, and what lies on the skin with the skin.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,8 @@ Indices = NDArray[np.int32]
 _FOLLOWERS_MM = 12.0  # what lies farther than this from the skin does not move with it
 _ROOT_MM, _SMALL_MM = 1.0, 90.0
 _SEED_MM = 4.0
+_AT_ONCE = 9  # targets
+_ALONE = ("lower", "tongue", "gums", "upper", "eye_left", "eye_right")  # kinds that follow no skin
 _OF_JAW = ("jawOpen", "jawForward", "jawLeft", "jawRight")
 
 
@@ -55,9 +57,13 @@ class PieceMotion:
         used = np.unique(self.head.triangles[np.concatenate([piece.triangles for piece in pieces])])
         found: dict[str, list[Target]] = {}
         for piece in pieces:
-            place = np.searchsorted(used, np.unique(self.head.triangles[piece.triangles]))
-            for name, target in self._targets(piece).items():
-                found.setdefault(name, []).append(Target(place[target.vertices].astype(np.int32), target.offsets))
+            if piece.kind in _ALONE:
+                place = np.searchsorted(used, np.unique(self.head.triangles[piece.triangles]))
+                for name, target in self._targets(piece).items():
+                    found.setdefault(name, []).append(Target(place[target.vertices].astype(np.int32), target.offsets))
+        followers = [piece for piece in pieces if piece.kind not in _ALONE]
+        for name, target in self._following(followers, used) if followers else ():
+            found.setdefault(name, []).append(target)
         return {name: _together(some) for name, some in found.items()}
 
     def _targets(self, piece: Piece) -> dict[str, Target]:
@@ -73,10 +79,8 @@ class PieceMotion:
             found = {name: share * (move(points) - points) for name, move in self._jaw.items()}
         elif piece.kind.startswith("eye_"):
             found = self._looking(piece, points)
-        elif piece.kind == "upper":
+        else:  # upper teeth
             found = {}
-        else:
-            found = self._following(used, triangles, points)
         kept = ((name, _sparse(offsets)) for name, offsets in found.items())
         return {name: target for name, target in kept if target is not None}
 
@@ -125,18 +129,31 @@ class PieceMotion:
             found[f"eyeLook{way}{side}"] = arm @ eye_rotation(eye, *weights).T - arm
         return found
 
-    def _following(self, used: Indices, triangles: Indices, points: Floats) -> dict[str, Floats]:
+    def _following(self, pieces: Sequence[Piece], used: Indices) -> Iterator[tuple[str, Target]]:
         """What lies on the skin moves with it: lashes from their roots, hair and collars as far as they are near."""
-        away, near = cKDTree(self.skin).query(points)
-        rooted = away.min() < 2 * _ROOT_MM and np.linalg.norm(np.ptp(points, axis=0)) < _SMALL_MM
-        names = list(self.moves)
-        values = np.hstack([self.moves[name][near] for name in names])
-        if rooted:
-            trust = (away < max(_ROOT_MM, 1.2 * float(away.min()))).astype(np.float64)
-            values = filled(trust, values, np.searchsorted(used, triangles).astype(np.int32))
-        else:
-            values = values * np.clip(2 - away / (_FOLLOWERS_MM / 2), 0, 1)[:, None]
-        return {name: values[:, 3 * i : 3 * i + 3] for i, name in enumerate(names)}
+        count = len(used)
+        share, rooted = np.zeros(count), np.zeros(count, dtype=np.bool_)
+        local = [np.searchsorted(used, self.head.triangles[piece.triangles]).astype(np.int32) for piece in pieces]
+        mine = np.unique(np.concatenate(local))
+        away, near = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
+        away[mine], near[mine] = cKDTree(self.skin).query(self.head.vertices[used[mine]])
+        for triangles in local:
+            some = np.unique(triangles)
+            nearest, points = float(away[some].min()), self.head.vertices[used[some]]
+            if nearest < 2 * _ROOT_MM and np.linalg.norm(np.ptp(points, axis=0)) < _SMALL_MM:
+                rooted[some], share[some] = True, away[some] < max(_ROOT_MM, 1.2 * nearest)
+            else:
+                share[some] = np.clip(2 - away[some] / (_FOLLOWERS_MM / 2), 0, 1)
+        trust = np.where(rooted, share, 1.0)
+        names, triangles = list(self.moves), np.concatenate(local)
+        for first in range(0, len(names), _AT_ONCE):
+            some_names = names[first : first + _AT_ONCE]
+            values = np.hstack([self.moves[name][near] for name in some_names]).astype(np.float64)
+            values = filled(trust, values * np.where(rooted, 1.0, share)[:, None], triangles)
+            for number, name in enumerate(some_names):
+                target = _sparse(values[:, 3 * number : 3 * number + 3])
+                if target is not None:
+                    yield name, target
 
 
 def _sparse(offsets: Floats) -> Target | None:

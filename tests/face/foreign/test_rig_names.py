@@ -27,6 +27,23 @@ NAMES: dict[str, dict[str, dict[str, float]]] = {
         "Genesis8Female__eCTRLBrowInnerUp_L": {"browInnerUp": 1, "browInnerUpLeft": 1},
         "facs_bs_MouthSmile_L_div2": {"mouthSmileLeft": 1},
     },
+    "Character Creator 3 and 4": {
+        "Mouth_Top_Lip_Under": {"mouthRollUpper": 1},
+        "Mouth_Bottom_Lip_Under": {"mouthRollLower": 1},
+        "Nose_Flank_Raise_L": {"noseSneerLeft": 0.8},
+        "Mouth_Roll_Out_Upper_R": {"mouthFunnel": 0.5},
+    },
+    "Daz 9": {"facs_bs_MouthFunnelUpper_L": {"mouthFunnel": 1}, "facs_bs_EyesSquint_R": {"eyeSquintRight": 1}},
+    "Daz 8 visemes": {
+        "eCTRLvAA": {"jawOpen": 1.4, "mouthFunnel": -0.7, "mouthPucker": -0.7},
+        "eCTRLvER": {"mouthFunnel": 0.5, "tongueTipUp": 0.4},
+        "eCTRLvIY": {"mouthStretchLeft": 0.7, "mouthStretchRight": 0.7},
+    },
+    "Autodesk visemes": {
+        "h_expressions.KG_h": {"tongueBackUp": 0.8},
+        "h_expressions.UW_U_h": {"mouthPucker": 1},
+        "h_expressions.UH_OO_h": {"mouthFunnel": 1},
+    },
     "Meta": {
         "Brow_Lowerer_L": {"browDownLeft": 1},
         "Eyes_Look_Left_R": {"eyeLookInRight": 1},

@@ -12,7 +12,7 @@ from mien.core.assets import asset_table
 from mien.face.foreign.drawn import not_drawn
 from mien.face.foreign.gltf_document import GltfDocument
 from mien.face.foreign.known_face import FEWEST, LEAST_MOUTH, Reach, all_targets, known_face, mouth_share, reach
-from mien.face.foreign.recognition import EMPTY, DrivenTarget, ForeignFace
+from mien.face.foreign.recognition import EMPTY, UNKNOWN, UNNAMED, DrivenTarget, ForeignFace
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS, lowered_arms
 from mien.face.foreign.target_geometry import Likeness, likenesses
@@ -148,6 +148,9 @@ class FaceReport:
         if self.reach is not None:
             parts.append(f"lips part by {self.reach.opening:.0f} mm at full jaw")
             parts.append(f"blinks close the eyes by about {self.reach.closing:.0%}")
+        unknown = [t for mesh in self.meshes for t in mesh.targets if t.still in (UNKNOWN, UNNAMED)]
+        if unknown:
+            parts.append(f"targets that are not known: {len(unknown)} of {sum(len(m.targets) for m in self.meshes)}")
         weak = self.mouth < LEAST_MOUTH or (self.reach is not None and self.reach.opening < 4.0)
         return f"{'weak' if weak else 'good'} for speech: {', '.join(parts)}"
 

@@ -23,6 +23,7 @@ __all__ = ["BIN", "JSON", "SUFFIXES", "GltfDocument", "is_gltf", "read_gltf"]
 
 JSON, BIN = 0x4E4F534A, 0x004E4942
 SUFFIXES = (".glb", ".vrm", ".gltf", ".fbx")
+_BARE = (".obj", ".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz")
 _LISTS = (
     "nodes", "meshes", "skins", "accessors", "bufferViews", "buffers", "images", "animations", "scenes", "materials",
     "textures",
@@ -165,7 +166,10 @@ def read_gltf(path: str | Path) -> GltfDocument:
     elif path.suffix.lower() == ".gltf" or content.lstrip()[:1] == b"{":
         document = GltfDocument(path, _parsed(path, content))
     else:
-        raise InputError(f"{path} is not a GLB file: it does not begin with 'glTF'")
+        told = f"'mien face fit {path} -o FACE.npz' gives a bare mesh its shapes"
+        bare = path.suffix.lower() in _BARE
+        why = f"is a bare mesh without shapes: {told}" if bare else "is not a GLB file: it does not begin with 'glTF'"
+        raise InputError(f"{path} {why}")
     _check(document)
     return document
 
