@@ -28,6 +28,7 @@ from mien.face.library import load_face
 from mien.face.model import Face, Part, Target
 from mien.face.posing import Poser
 from mien.face.render.renderer import Renderer
+from mien.formats.drawn_frames import drawn_rows
 from mien.formats.video import write_frames
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "rendering.md"
@@ -113,13 +114,13 @@ def encoding(pictures: list[np.ndarray]) -> tuple[float, float]:
 
 
 def whole(face: Face, rows: np.ndarray, width: int, height: int) -> tuple[float, float]:
-    """Pose, render and encode as `mien.formats.video.write_video` does: the encoder in its own thread."""
+    """Pose, render and encode as `mien.formats.video.write_video` does: a picture on each core, the encoder beside."""
     poser, renderer = Poser(face, ALL), Renderer(face, width, height)
     sound = Audio(np.random.default_rng(0).normal(0, 0.05, round(len(rows) / FPS * 16000)), 16000)
     renderer.render(poser.pose(rows[0]))
     with tempfile.TemporaryDirectory() as folder:
         wall, processor = time.perf_counter(), time.process_time()
-        pictures = (renderer.render(poser.pose(row)) for row in rows)
+        pictures = drawn_rows(rows, poser, renderer)
         write_frames(pictures, FPS, sound, Path(folder) / "a.mp4", (width, height))
         spent = time.perf_counter() - wall, time.process_time() - processor
     return tuple(1000 * each / len(rows) for each in spent)  # type: ignore[return-value]

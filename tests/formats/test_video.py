@@ -17,7 +17,7 @@ from mien.core.audio import Audio
 from mien.core.errors import InputError, OutputError
 from mien.core.timeline import FrameRate
 from mien.face.render.view import View
-from mien.formats.video import check_film, write_frames, write_video
+from mien.formats.video import check_film, luma_and_chroma, write_frames, write_video
 from tests.faces import tiny_animation, tiny_face
 
 SIZE = (64, 48)
@@ -276,3 +276,16 @@ def test_what_a_kind_cannot_hold_is_one_line():
     with pytest.raises(InputError, match="64 x 63; 64 x 64 would do"):
         check_film("a.webm", View(64, 63))
     check_film("a.mov", View(64, 63, background="transparent"))
+
+
+def test_colours_become_luma_and_chroma_as_ffmpeg_makes_them():
+    rng = np.random.default_rng(1)
+    picture = np.repeat(np.repeat(rng.integers(0, 256, (12, 16, 3), np.uint8), 4, axis=0), 4, axis=1)
+    planes = np.empty((72, 64), np.uint8)
+    luma_and_chroma(picture, planes)
+    other = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+        format="yuv420p", dst_colorspace="ITU709", src_color_range="JPEG", dst_color_range="MPEG"
+    )
+    difference = np.abs(other.to_ndarray().astype(int) - planes)
+    assert difference[:48].max() <= 1
+    assert np.median(difference[48:]) <= 1  # its chroma is smoothed over more than four pixels

@@ -3,7 +3,7 @@
 numba keeps machine code beside the source, or under the home directory, and refuses to compile at all where it can
 write to neither (a read-only installation, a service without a home). So the folder is chosen here, once, before numba
 is loaded: beside the source, ``~/.cache/mien``, the folder for temporary files; else nothing is kept and every start
-compiles again. All kernels take ``njit`` and ``prange`` from here.
+compiles again. All kernels take ``njit`` from here.
 
 numba is loaded when a kernel is first called: loading it takes longer than speaking a line, which needs none.
 """
@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-__all__ = ["Kernel", "cache_folder", "cache_note", "compilations", "kept", "njit", "prange"]
+__all__ = ["Kernel", "cache_folder", "cache_note", "compilations", "kept", "njit"]
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 
@@ -84,9 +84,6 @@ def _numba() -> ModuleType:
     folder = _folder()
     if folder is not None and folder != Path(__file__).parent / "__pycache__":
         os.environ[_VARIABLE] = str(folder)
-    # Threads that have nothing to do sleep. They would spin, and take the cores from the encoder and other programs:
-    # half as much processor time again for a picture on a busy machine.
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     import numba
 
     if _VARIABLE in os.environ:  # somebody may have loaded it before
@@ -96,8 +93,6 @@ def _numba() -> ModuleType:
 
 _one_at_a_time = threading.RLock()
 _made: list[Any] = []
-prange = range
-"""`numba.prange` inside kernels; plain `range` in what Python runs."""
 
 
 class Kernel:
@@ -131,8 +126,6 @@ class Kernel:
                 for name, value in list(names.items()):
                     if isinstance(value, Kernel):
                         names[name] = value.compiled()
-                    elif value is prange and name == "prange":
-                        names[name] = numba.prange
                 return compiled  # type: ignore[no-any-return]
             return self._compiled
 

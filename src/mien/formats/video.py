@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from mien.animation.animation import Animation
 from mien.core.audio import Audio
+from mien.core.compiled import njit
 from mien.core.errors import InputError, MissingPartError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.face.model import Face
@@ -75,8 +76,13 @@ def _h264(quality: str) -> dict[str, str]:
     # Without B-frames: players that pass over edit lists would show everything a frame or two late.
     # Without mbtree: on processors with AVX it reads memory that was never written, so that small pictures came out in
     # other bytes now and then (eleven variants in 200 runs of one input; without it one).
-    crf, preset = {"draft": ("26", "superfast"), "full": ("18", "veryfast"), "best": ("13", "medium")}[quality]
-    return {"crf": crf, "preset": preset, "threads": "1", "x264-params": "mbtree=0:bframes=0"}
+    # Full: nearer to what was drawn than "veryfast", in three fifths of its time; files are 15 % larger.
+    crf, preset, more = {
+        "draft": ("26", "superfast", ""),
+        "full": ("18", "superfast", ":aq-mode=0"),
+        "best": ("13", "medium", ""),
+    }[quality]
+    return {"crf": crf, "preset": preset, "threads": "1", "x264-params": f"mbtree=0:bframes=0{more}"}
 
 
 def _vp9(quality: str) -> dict[str, str]:
@@ -290,14 +296,7 @@ def _encode_pictures(
     """Encode pictures as they come, each followed by the sound up to its end, so that the tracks lie side by side."""
     blocks = _SoundBlocks(container, voice, sound)
     for number, picture in fed:
-        frame = av.VideoFrame.from_ndarray(picture, format="rgba" if picture.shape[2] == 4 else "rgb24").reformat(
-            format=video.pix_fmt,
-            src_colorspace="ITU709",
-            dst_colorspace="ITU709",
-            src_color_range="JPEG",
-            dst_color_range="MPEG",
-            threads=1,
-        )
+        frame = _frame(picture, video)
         frame.pts, frame.time_base = number, 1 / fps
         container.mux(video.encode(frame))
         blocks.write_until(round((number + 1) / fps * sound.rate))
@@ -305,6 +304,49 @@ def _encode_pictures(
     blocks.write_until(len(sound))
     if voice is not None:
         container.mux(voice.encode(None))
+
+
+def _frame(picture: Picture, video: Any) -> Any:
+    pixels, height, width = video.pix_fmt, video.height, video.width
+    if pixels == "yuv420p":
+        if picture.shape != (height, width, 3):
+            raise ValueError(f"a picture of shape {picture.shape} in a video of shape {(height, width, 3)}")
+        planes = np.empty((height * 3 // 2, width), dtype=np.uint8)
+        luma_and_chroma(picture, planes)
+        return av.VideoFrame.from_ndarray(planes, format=pixels)
+    return av.VideoFrame.from_ndarray(picture, format="rgba" if picture.shape[2] == 4 else "rgb24").reformat(
+        format=pixels,
+        src_colorspace="ITU709",
+        dst_colorspace="ITU709",
+        src_color_range="JPEG",
+        dst_color_range="MPEG",
+        threads=1,
+    )
+
+
+@njit(cache=True, nogil=True)
+def luma_and_chroma(picture, planes):  # type: ignore[no-untyped-def]
+    """SRGB (height, width, 3) to the planes of yuv420p by BT.709, 16 to 235, one under the other; sides are even.
+
+    What FFmpeg's scaler does, in less time.
+    """
+    height, width = picture.shape[0], picture.shape[1]
+    half, chroma = width // 2, planes[height:].reshape(-1)
+    for y in range(height):
+        for x in range(width):
+            r, g, b = np.int32(picture[y, x, 0]), np.int32(picture[y, x, 1]), np.int32(picture[y, x, 2])
+            planes[y, x] = np.uint8((11966 * r + 40254 * g + 4064 * b + 1081344) >> 16)
+    below = half * (height // 2)
+    for y in range(height // 2):
+        one, two = picture[2 * y], picture[2 * y + 1]
+        for x in range(half):
+            r, g, b = np.int32(0), np.int32(0), np.int32(0)
+            for i in range(2):
+                r += np.int32(one[2 * x + i, 0]) + np.int32(two[2 * x + i, 0])
+                g += np.int32(one[2 * x + i, 1]) + np.int32(two[2 * x + i, 1])
+                b += np.int32(one[2 * x + i, 2]) + np.int32(two[2 * x + i, 2])
+            chroma[y * half + x] = np.uint8((-6596 * r - 22188 * g + 28784 * b + 33685504) >> 18)
+            chroma[below + y * half + x] = np.uint8((28784 * r - 26145 * g - 2639 * b + 33685504) >> 18)
 
 
 class _SoundBlocks:

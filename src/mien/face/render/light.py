@@ -13,24 +13,36 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.core.compiled import njit, prange
+from mien.core.compiled import njit
 
 __all__ = [
     "KEY_CELLS",
     "KEY_EDGE_MM",
     "SOFT_CELLS",
     "SOFT_CELLS_OFF",
+    "THROUGH",
+    "THROUGH_MM",
+    "THROUGH_RISE",
     "depth_maps",
     "light_axes",
     "spread_below_skin",
     "vertex_light",
 ]
 
-KEY_CELLS, SOFT_CELLS = 512, 160
+KEY_CELLS, SOFT_CELLS = 512, 120
 _NOTHING = np.float32(-1e9)
 KEY_EDGE_MM = 0.6  # between the nine points over which the key light's shadow is softened
 DOME_REACH = -0.35  # a dome light at a lower cosine than this says nothing of how open a place is
 SLACK = 0.06  # beyond the cosine at which a light's effect ends, its share is still found, for highlights nearby
+THROUGH, THROUGH_RISE = 0.1, 2.0  # the cosine below which light comes through from the other side, and how soon all
+THROUGH_MM = 2.2  # how many times farther than along the skin light is followed through it
+CHUNK = 256  # vertices that are lit together
+_NX, _NY, _NZ, _PX, _PY, _PZ, _QX, _QY, _QZ, _RED, _GREEN, _BLUE, _KEY, _DOME, _DOME_SEEN, _SCATTER = range(16)
+_OFF, _OFF_SOFT, _STEP, _FACING, _TOTAL, _SEEN, _NEAR, _NEAREST, _THICK, _FU, _FV, _OUT, _THIN, _CELLS = range(16, 30)
+_ROWS = _CELLS + 4
+_ZERO, _HALF, _ONE, _SIXTH, _NINTH = (np.float32(each) for each in (0, 0.5, 1, 1 / 6, 1 / 9))
+_BLOCK = 8  # cells of a map that are filled together
+_STEEP, _DOME_WRAP, _THROUGH, _RISE = (np.float32(each) for each in (0.25, 0.3, THROUGH, THROUGH_RISE))
 SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
 
 
@@ -45,163 +57,246 @@ def light_axes(directions: NDArray[np.float32]) -> NDArray[np.float32]:
     return axes
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def depth_maps(vertices, casters, listed, coarse, coarse_listed, axes, centre, radius, key_map, soft_maps):
-    """Fill ``key_map`` (cells, cells) from light 0 and ``soft_maps`` (lights - 1, cells, cells) from the others.
+@njit(cache=True, error_model="numpy", nogil=True)
+def depth_maps(vertices, casters, listed, coarse, coarse_listed, axes, centre, radius, begin, end, key_map, soft_maps):
+    """Fill the maps of the lights from ``begin`` to ``end``.
 
-    The key light sees the triangles ``casters``, with the vertices ``listed``; the others see fewer, ``coarse``.
+    Of light 0 ``key_map`` (cells, cells), which sees triangles ``casters`` between the vertices ``listed`` (numbered as
+    they stand there); of the others ``soft_maps`` (lights - 1, cells, cells), which see fewer, ``coarse``.
     """
-    for light in prange(axes.shape[0]):
+    for light in range(begin, end):
         if light == 0:
-            _depth_map(vertices, casters, listed, axes[0], centre, radius, key_map)
+            _depth_map(vertices, casters, listed, axes[0], centre, radius, key_map.shape[0], key_map.reshape(-1))
         else:
-            _depth_map(vertices, coarse, coarse_listed, axes[light], centre, radius, soft_maps[light - 1])
+            cells = soft_maps.shape[1]
+            one = soft_maps[light - 1].reshape(-1)
+            _depth_map(vertices, coarse, coarse_listed, axes[light], centre, radius, cells, one)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _depth_map(vertices, triangles, listed, axes, centre, radius, depth):
-    cells = depth.shape[0]
-    scale = np.float32(0.5 * cells / radius)
-    half = np.float32(0.5 * cells)
+def _depth_map(vertices, triangles, listed, axes, centre, radius, cells, depth):
+    scale, half = np.float32(0.5 * cells / radius), np.float32(0.5 * cells)
+    ax, ay, az = axes[0, 0] * scale, axes[0, 1] * scale, axes[0, 2] * scale
+    bx, by, bz = axes[1, 0] * scale, axes[1, 1] * scale, axes[1, 2] * scale
     depth[:] = _NOTHING
-    count = vertices.shape[0]
-    seen = np.empty((count, 3), np.float32)
-    for v in listed:
+    seen = np.empty((listed.shape[0], 3), np.float32)
+    for i in range(listed.shape[0]):
+        v = listed[i]
         x, y, z = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
-        seen[v, 0] = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + half
-        seen[v, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + half
-        seen[v, 2] = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+        seen[i, 0] = ax * x + ay * y + az * z + half
+        seen[i, 1] = bx * x + by * y + bz * z + half
+        seen[i, 2] = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+    last = np.float32(cells - 1)
     for t in range(triangles.shape[0]):
-        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        a, b, c = np.uint64(triangles[t, 0]), np.uint64(triangles[t, 1]), np.uint64(triangles[t, 2])
         ax, ay, bx, by, cx, cy = seen[a, 0], seen[a, 1], seen[b, 0], seen[b, 1], seen[c, 0], seen[c, 1]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        if area <= 0.0:
+        if area <= _ZERO:
             continue
         # Cells whose centre (i + 0.5) may lie inside.
-        left = max(0, int(np.ceil(min(ax, bx, cx) - 0.5)))
-        right = min(cells - 1, int(np.floor(max(ax, bx, cx) - 0.5)))
-        low = max(0, int(np.ceil(min(ay, by, cy) - 0.5)))
-        high = min(cells - 1, int(np.floor(max(ay, by, cy) - 0.5)))
-        if left > right or low > high:
+        left, right = max(_ZERO, min(ax, bx, cx) - _HALF), min(last, max(ax, bx, cx) - _HALF)
+        low, high = max(_ZERO, min(ay, by, cy) - _HALF), min(last, max(ay, by, cy) - _HALF)
+        first, end = np.int64(np.ceil(left)), np.int64(np.floor(right))
+        bottom, top = np.int64(np.ceil(low)), np.int64(np.floor(high))
+        if first > end or bottom > top:
             continue
-        # Shares of the corners and the nearness are planes over the map; they are stepped along each row.
-        share = 1.0 / area
+        # Shares of the corners and the nearness are planes over the map.
+        share = _ONE / area
+        za, zb, zc = seen[a, 2], seen[b, 2], seen[c, 2]
         wax, wbx, wcx = (by - cy) * share, (cy - ay) * share, (ay - by) * share
         way, wby, wcy = (cx - bx) * share, (ax - cx) * share, (bx - ax) * share
-        x = left + 0.5
-        za, zb, zc = seen[a, 2], seen[b, 2], seen[c, 2]
-        rise = wax * za + wbx * zb + wcx * zc
-        for j in range(low, high + 1):
-            y = j + 0.5
-            wa = wax * (x - bx) + way * (y - by)
-            wb = wbx * (x - cx) + wby * (y - cy)
-            wc = wcx * (x - ax) + wcy * (y - ay)
-            near = wa * za + wb * zb + wc * zc
-            for i in range(left, right + 1):
-                if wa >= 0.0 and wb >= 0.0 and wc >= 0.0 and near > depth[j, i]:
-                    depth[j, i] = near
-                wa += wax
-                wb += wbx
-                wc += wcx
-                near += rise
+        for block in range(first, end + 1, _BLOCK):
+            begin = min(block, cells - _BLOCK)
+            x = np.float32(begin) + _HALF
+            for j in range(bottom, top + 1):
+                y, row = np.float32(j) + _HALF, np.uint64(j * cells + begin)
+                wa, wb = wax * (x - bx) + way * (y - by), wbx * (x - cx) + wby * (y - cy)
+                wc = wcx * (x - ax) + wcy * (y - ay)
+                for s in range(_BLOCK):
+                    to = np.float32(s)
+                    sa, sb, sc = wa + to * wax, wb + to * wbx, wc + to * wcx
+                    near, old = sa * za + sb * zb + sc * zc, depth[row + np.uint64(s)]
+                    inside = (sa >= _ZERO) & (sb >= _ZERO) & (sc >= _ZERO) & (near > old)
+                    depth[row + np.uint64(s)] = near if inside else old
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _share_seen(x, y, z, axes, scale, depth):
-    """Share of the light that reaches a point: the four nearest cells, each seen or not, mixed by nearness."""
-    cells = depth.shape[0]
-    u = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + 0.5 * cells - 0.5
-    v = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + 0.5 * cells - 0.5
-    near = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
-    i, j = int(np.floor(u)), int(np.floor(v))
-    if i < 0 or j < 0 or i >= cells - 1 or j >= cells - 1:
-        return 1.0
-    fu, fv = u - i, v - j
-    share = 0.0
-    if near >= depth[j, i]:
-        share += (1 - fu) * (1 - fv)
-    if near >= depth[j, i + 1]:
-        share += fu * (1 - fv)
-    if near >= depth[j + 1, i]:
-        share += (1 - fu) * fv
-    if near >= depth[j + 1, i + 1]:
-        share += fu * fv
-    return share
+def vertex_light(
+    vertices, normals, listed, both_sides, place, scatter, thin, lift, cavity, spacing, axes, colours, wrap, bounce,
+    depth_mm, centre, radius, key_map, soft_maps, begin, end, light, openness,
+):  # fmt: skip
+    """Light at the ``listed`` vertices from ``begin`` to ``end``; a sheet is lit on the side that ``place`` sees.
+
+    ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
+    the key light, and of the dome, that reaches it. ``depth_mm`` (3,) is how deep each colour goes through flesh.
+    """
+    number, c = np.empty(CHUNK, np.int32), np.empty(_ROWS * CHUNK, np.float32)
+    soft_cell = np.float32(SOFT_CELLS_OFF * 2.0 * radius / soft_maps.shape[1])
+    flat_key, flat_soft = key_map.reshape(-1), soft_maps.reshape(soft_maps.shape[0], -1)
+    for first in range(begin, end, CHUNK):
+        n = min(CHUNK, end - first)
+        _take(
+            listed[first : first + n], n, vertices, normals, both_sides, place, scatter, thin, lift, spacing, centre,
+            soft_cell, c,
+        )  # fmt: skip
+        for k in range(axes.shape[0]):
+            lx, ly, lz = axes[k, 2, 0], axes[k, 2, 1], axes[k, 2, 2]
+            for i in range(n):
+                c[_FACING * CHUNK + i] = c[_NX * CHUNK + i] * lx + c[_NY * CHUNK + i] * ly + c[_NZ * CHUNK + i] * lz
+            if k == 0:
+                _key_share(n, axes[0], radius, flat_key, key_map.shape[0], number, c)
+            else:
+                # Off the surface and a little towards the light, so that a surface does not shade itself.
+                for i in range(n):
+                    off = c[_OFF_SOFT * CHUNK + i]
+                    c[_QX * CHUNK + i] = c[_PX * CHUNK + i] + off * (c[_NX * CHUNK + i] + lx)
+                    c[_QY * CHUNK + i] = c[_PY * CHUNK + i] + off * (c[_NY * CHUNK + i] + ly)
+                    c[_QZ * CHUNK + i] = c[_PZ * CHUNK + i] + off * (c[_NZ * CHUNK + i] + lz)
+                _share_seen(n, axes[k], radius, flat_soft[k - 1], soft_maps.shape[1], number, c)
+                for i in range(n):
+                    c[_TOTAL * CHUNK + i] = c[_SEEN * CHUNK + i]
+            _gather(k, n, colours[k], wrap, c)
+            if k == 0 or k == 2:
+                _shine_through(n, colours[k], depth_mm, c)
+        for i in range(n):
+            v = listed[first + i]
+            # What does not see the dome sees flesh instead, and gets a little red light back from it.
+            closed = _ONE - c[_DOME_SEEN * CHUNK + i] / c[_DOME * CHUNK + i]
+            left = _ONE - cavity[v] * closed
+            openness[v, 0], openness[v, 1] = left * c[_KEY * CHUNK + i], _ONE - closed
+            for k in range(3):
+                light[v, k] = left * c[(_RED + k) * CHUNK + i] + closed * bounce[k]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _key_share(x, y, z, nx, ny, nz, facing, step, axes, scale, depth):
-    """The key light is large: the mean over nine points of its map, ``step`` mm apart, for a soft edge.
+def _take(listed, n, vertices, normals, both_sides, place, scatter, thin, lift, spacing, centre, soft_cell, c):
+    """Fill a chunk with what is known of the vertices."""
+    for i in range(n):
+        v = listed[i]
+        side = _ONE
+        if both_sides[v]:
+            away = _ZERO
+            for k in range(3):
+                away += normals[v, k] * (vertices[v, k] - np.float32(place[k]))
+            if away > _ZERO:
+                side = -_ONE
+        for k in range(3):
+            c[(_PX + k) * CHUNK + i] = vertices[v, k] - centre[k]
+            c[(_NX + k) * CHUNK + i] = side * normals[v, k]
+            c[(_RED + k) * CHUNK + i] = _ZERO
+        c[_SCATTER * CHUNK + i], c[_THIN * CHUNK + i], c[_OFF * CHUNK + i] = scatter[v], thin[v], lift[v]
+        c[_OFF_SOFT * CHUNK + i] = lift[v] + (soft_cell if lift[v] > _HALF else _ZERO)
+        c[_STEP * CHUNK + i] = max(np.float32(KEY_EDGE_MM), np.float32(0.8) * spacing[v])  # finer would be jagged
+        c[_DOME * CHUNK + i] = c[_DOME_SEEN * CHUNK + i] = np.float32(1e-6)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _key_share(n, axes, radius, depth, cells, number, c):
+    """The key light is large: the mean over nine points of its map, a step apart, for a soft edge.
 
     The points lie in the plane of the surface, so that a slanting surface does not shade itself.
     """
-    share = 0.0
-    steep = 1.0 / max(facing, 0.25)
+    lx, ly, lz = axes[2, 0], axes[2, 1], axes[2, 2]
+    for i in range(n):
+        c[_TOTAL * CHUNK + i] = _ZERO
     for p in range(-1, 2):
         for q in range(-1, 2):
-            dx = step * (p * axes[0, 0] + q * axes[1, 0])
-            dy = step * (p * axes[0, 1] + q * axes[1, 1])
-            dz = step * (p * axes[0, 2] + q * axes[1, 2])
-            back = -(nx * dx + ny * dy + nz * dz) * steep
-            dx, dy, dz = dx + back * axes[2, 0], dy + back * axes[2, 1], dz + back * axes[2, 2]
-            share += _share_seen(x + dx, y + dy, z + dz, axes, scale, depth)
-    return share / 9.0
+            ax, ay, az = (
+                p * axes[0, 0] + q * axes[1, 0],
+                p * axes[0, 1] + q * axes[1, 1],
+                p * axes[0, 2] + q * axes[1, 2],
+            )
+            ax, ay, az = np.float32(ax), np.float32(ay), np.float32(az)
+            for i in range(n):
+                nx, ny, nz = c[_NX * CHUNK + i], c[_NY * CHUNK + i], c[_NZ * CHUNK + i]
+                step, off = c[_STEP * CHUNK + i], c[_OFF * CHUNK + i]
+                back = -(nx * ax + ny * ay + nz * az) / max(c[_FACING * CHUNK + i], _STEEP)
+                c[_QX * CHUNK + i] = c[_PX * CHUNK + i] + off * (nx + lx) + step * (ax + back * lx)
+                c[_QY * CHUNK + i] = c[_PY * CHUNK + i] + off * (ny + ly) + step * (ay + back * ly)
+                c[_QZ * CHUNK + i] = c[_PZ * CHUNK + i] + off * (nz + lz) + step * (az + back * lz)
+            _share_seen(n, axes, radius, depth, cells, number, c)
+            for i in range(n):
+                c[_TOTAL * CHUNK + i] += c[_SEEN * CHUNK + i] * _NINTH
+            if p == 0 and q == 0:
+                for i in range(n):
+                    c[_THICK * CHUNK + i] = c[_NEAREST * CHUNK + i] - c[_NEAR * CHUNK + i]
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
-def vertex_light(
-    vertices, normals, listed, both_sides, place, scatter, lift, cavity, spacing, axes, colours, wrap, bounce, centre,
-    radius, key_map, soft_maps, light, openness,
-):  # fmt: skip
-    """Light at the listed vertices; sheets are lit on the side that the camera at ``place`` sees.
+@njit(cache=True, error_model="numpy", nogil=True)
+def _share_seen(n, axes, radius, depth, cells, number, c):
+    """Share of the light that reaches each point: the four nearest cells, each seen or not, mixed by nearness.
 
-    ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
-    the key light, and of the dome, that reaches it.
+    Computed in vectors but for reading the map; also the surface nearest to the light in the four cells.
     """
-    key_scale, soft_scale = 0.5 * key_map.shape[0] / radius, 0.5 * soft_maps.shape[1] / radius
-    for number in prange(listed.shape[0]):
-        v = listed[number]
-        nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
-        px, py, pz = vertices[v, 0] - centre[0], vertices[v, 1] - centre[1], vertices[v, 2] - centre[2]
-        if both_sides[v]:
-            ex, ey, ez = place[0] - vertices[v, 0], place[1] - vertices[v, 1], place[2] - vertices[v, 2]
-            if nx * ex + ny * ey + nz * ez < 0:
-                nx, ny, nz = -nx, -ny, -nz
-        s, off = scatter[v], lift[v]
-        off_soft = off + (SOFT_CELLS_OFF / soft_scale if off > 0.5 else 0.0)
-        red = green = blue = 0.0
-        dome = dome_seen = 1e-6
-        openness[v, 0] = 0.0
-        for k in range(axes.shape[0]):
-            lx, ly, lz = axes[k, 2, 0], axes[k, 2, 1], axes[k, 2, 2]
-            facing = nx * lx + ny * ly + nz * lz
-            if facing <= (DOME_REACH if k >= 3 else -s * wrap[0] - SLACK):
-                continue
-            # Off the surface and a little towards the light, so that a surface does not shade itself.
-            if k == 0:
-                qx, qy, qz = px + off * (nx + lx), py + off * (ny + ly), pz + off * (nz + lz)
-                step = max(KEY_EDGE_MM, 0.8 * spacing[v])  # an edge finer than the mesh would be jagged
-                seen = _key_share(qx, qy, qz, nx, ny, nz, facing, step, axes[0], key_scale, key_map)
-                openness[v, 0] = seen
-            else:
-                qx, qy, qz = px + off_soft * (nx + lx), py + off_soft * (ny + ly), pz + off_soft * (nz + lz)
-                seen = _share_seen(qx, qy, qz, axes[k], soft_scale, soft_maps[k - 1])
-            if k >= 3:
-                plain = max(facing + 0.3, 0.0)
-                dome += plain
-                dome_seen += plain * seen
-            wr, wg, wb = s * wrap[0], s * wrap[1], s * wrap[2]
-            red += seen * colours[k, 0] * max(facing + wr, 0.0) / (1 + wr)
-            green += seen * colours[k, 1] * max(facing + wg, 0.0) / (1 + wg)
-            blue += seen * colours[k, 2] * max(facing + wb, 0.0) / (1 + wb)
-        # What does not see the dome sees flesh instead, and gets a little red light back from it.
-        closed = 1.0 - dome_seen / dome
-        openness[v, 1] = 1.0 - closed
-        left = 1.0 - cavity[v] * closed
-        openness[v, 0] *= left
-        light[v, 0] = left * red + closed * bounce[0]
-        light[v, 1] = left * green + closed * bounce[1]
-        light[v, 2] = left * blue + closed * bounce[2]
+    scale, half, most = np.float32(0.5 * cells / radius), np.float32(0.5 * cells - 0.5), np.float32(cells - 1)
+    ax, ay, az = axes[0, 0] * scale, axes[0, 1] * scale, axes[0, 2] * scale
+    bx, by, bz = axes[1, 0] * scale, axes[1, 1] * scale, axes[1, 2] * scale
+    lx, ly, lz = axes[2, 0], axes[2, 1], axes[2, 2]
+    for i in range(n):
+        x, y, z = c[_QX * CHUNK + i], c[_QY * CHUNK + i], c[_QZ * CHUNK + i]
+        u, v = ax * x + ay * y + az * z + half, bx * x + by * y + bz * z + half
+        c[_NEAR * CHUNK + i] = lx * x + ly * y + lz * z
+        inside = (u >= _ZERO) & (v >= _ZERO) & (u < most) & (v < most)
+        u, v = u if inside else _ZERO, v if inside else _ZERO
+        left, low = np.int32(u), np.int32(v)
+        c[_FU * CHUNK + i], c[_FV * CHUNK + i] = u - np.float32(left), v - np.float32(low)
+        c[_OUT * CHUNK + i] = _ZERO if inside else _ONE
+        number[i] = low * np.int32(cells) + left
+    wide = np.uint64(cells)
+    for i in range(n):
+        at = np.uint64(number[i])
+        c[_CELLS * CHUNK + i], c[(_CELLS + 1) * CHUNK + i] = depth[at], depth[at + np.uint64(1)]
+        c[(_CELLS + 2) * CHUNK + i] = depth[at + wide]
+        c[(_CELLS + 3) * CHUNK + i] = depth[at + wide + np.uint64(1)]
+    for i in range(n):
+        near, fu, fv = c[_NEAR * CHUNK + i], c[_FU * CHUNK + i], c[_FV * CHUNK + i]
+        d00, d10 = c[_CELLS * CHUNK + i], c[(_CELLS + 1) * CHUNK + i]
+        d01, d11 = c[(_CELLS + 2) * CHUNK + i], c[(_CELLS + 3) * CHUNK + i]
+        low = (_ONE - fu if near >= d00 else _ZERO) + (fu if near >= d10 else _ZERO)
+        high = (_ONE - fu if near >= d01 else _ZERO) + (fu if near >= d11 else _ZERO)
+        seen = (_ONE - fv) * low + fv * high
+        c[_SEEN * CHUNK + i] = max(seen, c[_OUT * CHUNK + i])
+        low, high = d00 if d00 > d10 else d10, d01 if d01 > d11 else d11
+        c[_NEAREST * CHUNK + i] = low if low > high else high
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _gather(k, n, colour, wrap, c):
+    """Add what arrives of light ``k``."""
+    wr, wg, wb = wrap[0], wrap[1], wrap[2]
+    cr, cg, cb = colour[0], colour[1], colour[2]
+    share = _ONE if k >= 3 else _ZERO
+    for i in range(n):
+        facing, s = c[_FACING * CHUNK + i], c[_SCATTER * CHUNK + i]
+        limit = np.float32(DOME_REACH) if k >= 3 else -s * wr - np.float32(SLACK)
+        seen = c[_TOTAL * CHUNK + i] if facing > limit else _ZERO
+        plain = share * (max(facing + _DOME_WRAP, _ZERO) if facing > limit else _ZERO)
+        c[_DOME * CHUNK + i] += plain
+        c[_DOME_SEEN * CHUNK + i] += plain * seen
+        if k == 0:
+            c[_KEY * CHUNK + i] = seen
+        c[_RED * CHUNK + i] += seen * cr * max(facing + s * wr, _ZERO) / (_ONE + s * wr)
+        c[(_RED + 1) * CHUNK + i] += seen * cg * max(facing + s * wg, _ZERO) / (_ONE + s * wg)
+        c[(_RED + 2) * CHUNK + i] += seen * cb * max(facing + s * wb, _ZERO) / (_ONE + s * wb)
+    if k == 1 or k == 2:
+        for i in range(n):
+            c[_THICK * CHUNK + i] = c[_NEAREST * CHUNK + i] - c[_NEAR * CHUNK + i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _shine_through(n, colour, depth_mm, c):
+    """Light that falls on the other side of ears and nose comes through, the less the thicker they are there.
+
+    The thickness is what the light's map says (Dachsbacher & Stamminger 2003, Translucent Shadow Maps); exp(-x) as
+    1 / (1 + x + x^2 / 2 + x^3 / 6).
+    """
+    for k in range(3):
+        bright, deep = colour[k], _ONE / depth_mm[k]
+        for i in range(n):
+            behind = max(min(_RISE * (_THROUGH - c[_FACING * CHUNK + i]), _ONE), _ZERO)
+            x = max(c[_THICK * CHUNK + i] + c[_OFF * CHUNK + i], _ZERO) * deep
+            passed = _ONE / (_ONE + x * (_ONE + x * (_HALF + x * _SIXTH)))
+            c[(_RED + k) * CHUNK + i] += c[_THIN * CHUNK + i] * bright * behind * passed
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

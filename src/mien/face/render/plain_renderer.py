@@ -26,7 +26,7 @@ Array = NDArray[Any]
 
 def render_reference(renderer: Renderer, posed: PosedFace) -> NDArray[np.uint8]:
     """The same picture as ``renderer.render(posed)``, up to rounding."""
-    renderer.folded(posed)
+    texels = renderer.folded(posed)
     vertices, normals = (each.astype(np.float64) for each in renderer.joined(posed))
     place = _project(renderer, vertices)
     drawn = _drawn(renderer, place)
@@ -34,7 +34,7 @@ def render_reference(renderer: Renderer, posed: PosedFace) -> NDArray[np.uint8]:
     needed = np.zeros(len(vertices), dtype=bool)
     needed[renderer.scene.triangles[_surfaces(renderer, nearest, owner)]] = True
     lit, openness = _light(renderer, vertices, normals, needed)
-    return _resolve(renderer, place, normals, lit, openness, nearest, owner)
+    return _resolve(renderer, texels, place, normals, lit, openness, nearest, owner)
 
 
 def _project(renderer: Renderer, vertices: Array) -> Array:
@@ -75,11 +75,12 @@ def _shares(corner: Array, points: Array) -> Array:
 
 def _depth_map(renderer: Renderer, vertices: Array, axes: Array, cells: int) -> Array:
     scene = renderer.scene
-    casters = renderer.key_casters[0] if cells == renderer.key_cells else scene.coarse_casters
+    coarse = scene.coarse_casters, scene.coarse_vertices
+    casters, listed = renderer.key_casters if cells == renderer.key_cells else coarse
     seen = (vertices - scene.head_centre) @ axes.T
     seen[:, :2] = seen[:, :2] * (0.5 * cells / scene.head_radius) + 0.5 * cells
     depth = np.full((cells, cells), -1e9)
-    for corner in seen[casters]:
+    for corner in seen[listed][casters]:
         if _doubled_area(corner) <= 0:
             continue
         (left, low), (right, high) = (
@@ -135,6 +136,8 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
         wrap = scene.scatter[:, None] * lights.wrap
         share = np.maximum(facing[:, None] + wrap, 0) / (1 + wrap)
         lit += np.where(reached[:, None], seen[:, None] * lights.colours[number] * share, 0)
+        if number in (0, 2):
+            lit += scene.thin[:, None] * _shining_through(renderer, number, points, facing, axes, depth)
     openness[:, 1] = dome_seen / dome
     left = 1 - scene.cavity * (1 - openness[:, 1])
     openness[:, 0] *= left
@@ -142,6 +145,18 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
     for _ in range(SPREAD_STEPS):
         lit = _spread(renderer, lit, needed)
     return lit, openness
+
+
+def _shining_through(renderer: Renderer, number: int, points: Array, facing: Array, axes: Array, depth: Array) -> Array:
+    """What a light sends through the flesh between its own side and these points."""
+    scene, lights, cells = renderer.scene, renderer.lighting, len(depth)
+    place = points @ axes.T
+    at = np.floor(place[:, :2] * (0.5 * cells / scene.head_radius) + 0.5 * cells - 0.5).astype(int)
+    at = np.where(((at >= 0) & (at < cells - 1)).all(axis=1)[:, None], at, 0)
+    nearest = np.max([depth[at[:, 1] + j, at[:, 0] + i] for i in (0, 1) for j in (0, 1)], axis=0)
+    thick = np.maximum(nearest - place[:, 2] + scene.lift, 0)[:, None] / (lights.reach_mm * light.THROUGH_MM)
+    behind = np.clip(light.THROUGH_RISE * (light.THROUGH - facing), 0, 1)[:, None]
+    return np.asarray(lights.colours[number] * behind / (1 + thick + thick**2 / 2 + thick**3 / 6))
 
 
 def _key_seen(renderer: Renderer, points: Array, normals: Array, facing: Array, axes: Array, depth: Array) -> Array:
@@ -205,7 +220,14 @@ def _surfaces(renderer: Renderer, nearest: Array, owner: Array) -> Array:
 
 
 def _resolve(
-    renderer: Renderer, place: Array, normals: Array, lit: Array, openness: Array, nearest: Array, owner: Array
+    renderer: Renderer,
+    texels: Array,
+    place: Array,
+    normals: Array,
+    lit: Array,
+    openness: Array,
+    nearest: Array,
+    owner: Array,
 ) -> NDArray[np.uint8]:
     """Shade each surface once per pixel, mix over the background, encode."""
     scene = renderer.scene
@@ -213,7 +235,7 @@ def _resolve(
     for y, x, s, same in _fragments(scene, nearest, owner):
         count = same.sum(axis=1, keepdims=True)
         points = np.stack([x, y], axis=1) + same @ raster.SAMPLES / count
-        colour, opacity = _shade(renderer, owner[y, x, s], points, place, normals, lit, openness)
+        colour, opacity = _shade(renderer, texels, owner[y, x, s], points, place, normals, lit, openness)
         total[y, x] += 0.25 * count * opacity * colour
         solid[y, x] += 0.25 * count * opacity
     down = (np.arange(renderer.height)[:, None, None] + 0.5) / renderer.height
@@ -226,7 +248,14 @@ def _resolve(
 
 
 def _shade(
-    renderer: Renderer, triangles: Array, points: Array, place: Array, normals: Array, lit: Array, openness: Array
+    renderer: Renderer,
+    texels: Array,
+    triangles: Array,
+    points: Array,
+    place: Array,
+    normals: Array,
+    lit: Array,
+    openness: Array,
 ) -> tuple[Array, Array]:
     scene, camera, lights = renderer.scene, renderer.camera, renderer.lighting
     corners = scene.triangles[triangles]
@@ -237,7 +266,7 @@ def _shade(
     def mix(values: Array) -> Array:
         return np.asarray(np.einsum("pk,pk...->p...", shares, values[corners]))
 
-    colour = mix(lit * scene.albedo) * _texture(renderer, triangles, corner, mix(scene.uv))
+    colour = mix(lit * scene.albedo) * _texture(renderer.scene, texels, triangles, corner, mix(scene.uv))
     middle = 0.5 * np.array([renderer.width, renderer.height])
     out = (points - middle) * (-1, 1) / camera.focal_pixels(renderer.height)
     view = np.hstack([out, np.ones((len(out), 1))]) @ camera.axes()
@@ -267,9 +296,8 @@ def _shade(
     return tone(np.asarray(lights.exposure * colour)).astype(np.float64), mix(scene.solid)[:, None]
 
 
-def _texture(renderer: Renderer, triangles: Array, corner: Array, uv: Array) -> Array:
+def _texture(scene: Scene, texels: Array, triangles: Array, corner: Array, uv: Array) -> Array:
     """The texture's colour, linear, at each point; ones where there is none."""
-    scene = renderer.scene
     parts = scene.triangle_part[triangles]
     colour = np.ones((len(uv), 3))
     spread = _doubled_area(scene.uv[scene.triangles[triangles]].astype(np.float64)) / _doubled_area(corner)
@@ -278,7 +306,7 @@ def _texture(renderer: Renderer, triangles: Array, corner: Array, uv: Array) -> 
         ratio = abs(spread[point]) * levels[0, 1] * levels[0, 2]
         chosen = int(np.clip(np.ceil(np.log2(max(ratio, 1e-9) / 2) / 2), 0, len(levels) - 1))
         first, wide, tall = levels[chosen].tolist()
-        picture = linear_from_srgb(renderer.texels[first : first + wide * tall] / 255).reshape(tall, wide, 3)
+        picture = linear_from_srgb(texels[first : first + wide * tall] / 255).reshape(tall, wide, 3)
         at = uv[point] * (wide, tall) - 0.5
         corner_at = np.floor(at).astype(int)
         u, v = at - corner_at

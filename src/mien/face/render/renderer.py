@@ -16,6 +16,7 @@ from mien.face.render import light
 from mien.face.render import rasteriser as raster
 from mien.face.render.camera import Camera, head_extent
 from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
+from mien.face.render.cores import cores, shared
 from mien.face.render.lighting import Lighting
 from mien.face.render.scene import LEVELS, Scene
 from mien.face.render.shading import draw
@@ -28,14 +29,28 @@ _LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
 SPREAD_STEPS = 2
 _FINE_MM = 0.6  # a pixel
 _CROWN_MM = 119.0  # over the eyes, of an adult
-# The parallel loops must not be entered from two threads at once (numba's simplest threading layer forbids it).
-_ONE_AT_A_TIME = Lock()
+
+
+class _Room:
+    """Room for what one picture needs on its way."""
+
+    def __init__(self, scene: Scene, height: int, width: int, folded: bool) -> None:
+        bands, triangles = -(-height // raster.BAND), len(scene.triangles)
+        self.fragments = np.empty((bands, 4 * raster.BAND * width, 2), dtype=np.int32)
+        self.counts = np.zeros(bands, dtype=np.int64)
+        self.planes = np.zeros((triangles, 8), dtype=np.float32)
+        self.level = np.zeros(triangles, dtype=np.int8)
+        self.points = _in_lines(len(scene.uv))
+        self.points[:, [raster.U, raster.V]] = scene.uv
+        self.points[:, raster.SOLID] = scene.solid
+        self.texels = scene.texels.copy() if folded else scene.texels
 
 
 class Renderer:
     """Renders one face, always from the same place and in the same light.
 
-    The picture is the same to the bit for the same input, whatever the number of threads.
+    The picture is the same to the bit for the same input, whatever the number of threads. Several threads may draw at
+    once; a picture that is drawn alone is shared among the cores.
 
     Parameters
     ----------
@@ -80,7 +95,6 @@ class Renderer:
             for number, (part, levels) in enumerate(zip(face.parts, self.scene.texture_level, strict=True))
             if (folds := folds_of(part, levels[levels[:, 1] > 0])) is not None
         ]
-        self.texels = self.scene.texels.copy() if self._folds else self.scene.texels
         # Where a pixel is as large as what the coarse casters leave out, they cast the key light's shadows too.
         fine = self.camera.field_mm / height < _FINE_MM
         self.key_cells = light.KEY_CELLS if fine else light.KEY_CELLS * 5 // 8
@@ -97,12 +111,8 @@ class Renderer:
         # Threads take stretches of this list; busy and empty bands should be spread over them.
         bands = -(-height // raster.BAND)
         self._order = np.argsort(np.arange(bands) % 8, kind="stable")
-        self._fragments = np.empty((bands, 4 * raster.BAND * width, 2), dtype=np.int32)
-        self._planes = np.zeros((len(self.scene.triangles), 8), dtype=np.float32)
-        self._level = np.zeros(len(self.scene.triangles), dtype=np.int8)
-        self._points = _in_lines(len(self.scene.uv))
-        self._points[:, [raster.U, raster.V]] = self.scene.uv
-        self._points[:, raster.SOLID] = self.scene.solid
+        self._threads, self._lock, self._drawing = cores(), Lock(), 0
+        self._rooms: list[_Room] = []
 
     def render(self, posed: PosedFace) -> Picture:
         """Draw a posed face.
@@ -123,53 +133,76 @@ class Renderer:
             If the parts are not those of this face.
         """
         vertices, normals = self.joined(posed)
+        with self._lock:
+            self._drawing += 1
+            threads = self._threads if self._drawing == 1 else 1
+            room = self._rooms.pop() if self._rooms else self._room()
+        try:
+            return self._drawn(posed, vertices, normals, room, threads)
+        finally:
+            with self._lock:
+                self._drawing -= 1
+                self._rooms.append(room)
+
+    def _room(self) -> _Room:
+        return _Room(self.scene, self.height, self.width, bool(self._folds))
+
+    def _drawn(
+        self,
+        posed: PosedFace,
+        vertices: NDArray[np.float32],
+        normals: NDArray[np.float32],
+        room: _Room,
+        threads: int,
+    ) -> Picture:
         scene, camera, lights = self.scene, self.camera, self.lighting
-        axes, focal = camera.axes(), camera.focal_pixels(self.height)
-        points, needed = self._points, np.zeros(len(vertices), dtype=np.bool_)
+        axes, focal, bands = camera.axes(), camera.focal_pixels(self.height), len(self._order)
+        points, needed = room.points, np.zeros(len(vertices), dtype=np.bool_)
         seen = np.zeros(len(scene.triangles), dtype=np.bool_)
         picture = np.empty((self.height, self.width, 4 if self.transparent else 3), dtype=np.uint8)
-        counts = np.zeros(len(self._order), dtype=np.int64)
-        with _ONE_AT_A_TIME:
-            raster.project(vertices, camera.place(), axes, focal, self.width, self.height, points)
-            start, listed, reach = raster.sort_into_bands(
-                points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height
-            )
+        raster.project(vertices, camera.place(), axes, focal, self.width, self.height, points)
+        start, listed, reach = raster.sort_into_bands(
+            points, scene.triangles, scene.triangle_part, scene.sheet, self.width, self.height
+        )
+
+        def cover(begin: int, end: int) -> None:
             raster.cover(
-                points, scene.triangles, scene.triangle_part, start, listed, reach, self._order, self.height,
-                self._fragments, counts, seen,
+                points, scene.triangles, scene.triangle_part, start, listed, reach, self._order, begin, end,
+                self.height, room.fragments, room.counts, seen,
             )  # fmt: skip
-            raster.set_up(
-                points,
-                scene.triangles,
-                scene.triangle_part,
-                scene.texture_level,
-                seen,
-                needed,
-                self._planes,
-                self._level,
-            )
-            lit, openness = self._light(vertices, normals, needed)
-            raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
+
+        shared(cover, bands, threads)
+        raster.set_up(
+            points, scene.triangles, scene.triangle_part, scene.texture_level, seen, needed, room.planes, room.level
+        )
+        lit, openness = self._light(vertices, normals, needed, threads)
+        raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
+        texels, view = self._folded(posed, room, seen), axes.astype(np.float32)
+
+        def shade(begin: int, end: int) -> None:
             draw(
-                points, scene.triangles, scene.triangle_part, self._planes, self._level, reach, self._order,
-                self._fragments, counts, self.folded(posed, seen), scene.texture_level, axes.astype(np.float32), focal,
-                lights.directions, lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure,
-                _LINEAR_OF_BYTE, SRGB_BYTES, self.noise, picture,
+                points, scene.triangles, scene.triangle_part, room.planes, room.level, reach, self._order, begin, end,
+                room.fragments, room.counts, texels, scene.texture_level, view, focal, lights.directions,
+                lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES,
+                self.noise, picture,
             )  # fmt: skip
+
+        shared(shade, bands, threads)
         return picture
 
-    def folded(self, posed: PosedFace, seen: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
-        """The texels of all parts with the folds that a pose has, shape (n, 3); the same array at every call.
+    def folded(self, posed: PosedFace) -> NDArray[np.uint8]:
+        """The texels of all parts with the folds that a pose has, shape (n, 3)."""
+        return self._folded(posed, self._room(), None)
 
-        Of textures on triangles that are ``seen`` only the levels that are read are right.
-        """
+    def _folded(self, posed: PosedFace, room: _Room, seen: NDArray[np.bool_] | None) -> NDArray[np.uint8]:
+        """Of textures on triangles that are ``seen`` only the levels that are read are right."""
         finest = np.full(len(self.scene.sheet), 0 if seen is None else LEVELS - 1, dtype=np.int8)
         if seen is not None and self._folds:
-            raster.finest_levels(seen, self.scene.triangle_part, self._level, finest)
+            raster.finest_levels(seen, self.scene.triangle_part, room.level, finest)
         for folds, smooth, number in self._folds:
             first = int(self.scene.texture_level[number, finest[number], 0])
-            folds.lay(folds.weights(posed.channels), smooth, self.texels, first)
-        return self.texels
+            folds.lay(folds.weights(posed.channels), smooth, room.texels, first)
+        return room.texels
 
     def empty(self) -> Picture:
         """The background alone, of the same shape as a picture."""
@@ -189,23 +222,30 @@ class Renderer:
         return vertices.astype(np.float32), normals.astype(np.float32)
 
     def _light(
-        self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_]
+        self, vertices: NDArray[np.float32], normals: NDArray[np.float32], needed: NDArray[np.bool_], threads: int
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         scene, lights = self.scene, self.lighting
         key_map = np.empty((self.key_cells, self.key_cells), dtype=np.float32)
-        casters, listed = self.key_casters
         soft_maps = np.empty((len(lights.directions) - 1, light.SOFT_CELLS, light.SOFT_CELLS), dtype=np.float32)
-        light.depth_maps(
-            vertices, casters, listed, scene.coarse_casters, scene.coarse_vertices,
-            self._light_axes, scene.head_centre, scene.head_radius, key_map, soft_maps,
-        )  # fmt: skip
         shown, lit = np.flatnonzero(needed), np.zeros_like(vertices)
         openness = np.zeros((len(vertices), 2), dtype=np.float32)
-        light.vertex_light(
-            vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.lift, scene.cavity,
-            scene.spacing, self._light_axes, lights.colours, lights.wrap, lights.bounce, scene.head_centre,
-            scene.head_radius, key_map, soft_maps, lit, openness,
-        )  # fmt: skip
+
+        def cast(begin: int, end: int) -> None:
+            light.depth_maps(
+                vertices, *self.key_casters, scene.coarse_casters, scene.coarse_vertices, self._light_axes,
+                scene.head_centre, scene.head_radius, begin, end, key_map, soft_maps,
+            )  # fmt: skip
+
+        def gather(begin: int, end: int) -> None:
+            light.vertex_light(
+                vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.thin, scene.lift,
+                scene.cavity, scene.spacing, self._light_axes, lights.colours, lights.wrap, lights.bounce,
+                lights.reach_mm * np.float32(light.THROUGH_MM), scene.head_centre, scene.head_radius, key_map,
+                soft_maps, begin, end, lit, openness,
+            )  # fmt: skip
+
+        shared(cast, len(self._light_axes), threads)
+        shared(gather, len(shown), threads)
         for _ in range(SPREAD_STEPS):
             spread = lit.copy()
             around = scene.neighbour_start, scene.neighbour, scene.neighbour_weight

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from mien.face.model import Face, Part
-from mien.face.posing import welded_vertices
+from mien.face.posing import shade, welded_vertices
 from mien.face.render.colour import linear_from_srgb
 
 __all__ = ["LEVELS", "Scene"]
@@ -21,10 +22,12 @@ LEVELS = 12  # of a texture, each half the size of the last
 # A part with more than this share of its edges open is a sheet (lashes, brows): seen from both sides, casts none.
 _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
-_COARSE_MM, _COARSE_MOVE_MM = 6.0, 14.0  # what lies and moves so close together casts soft shadows as one point
+# What lies and moves so close together (mm) casts shadows as one point: those of the key light, those of the others.
+_FINE, _COARSE = (2.2, 5.0), (9.0, 15.0)
 _FADE_MM = 28.0
 _IN_MOUTH, _CAVITY = ("teeth", "tongue", "gum"), 0.8
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
+_THIN_MM = (2.0, 4.0, 6.0, 8.0)  # depths at which the other side is looked for
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
 # How lips are told from the skin around them: their red stands out. Wet ones are smoother and shine more (hand-made).
 _LIP_REDNESS, _LIP_FULL = 0.10, 0.22
@@ -43,12 +46,11 @@ class Scene:
     triangle_part : ndarray of int32, shape (triangles,)
     sheet : ndarray of bool, shape (parts,)
         Seen from both sides.
-    casters : ndarray of int32, shape (some triangles, 3)
-        Those that cast the key light's shadows: of large parts that are not sheets.
-    coarse_casters : ndarray of int32, shape (fewer triangles, 3)
-        The same surfaces with some vertices only, for the soft lights.
-    caster_vertices, coarse_vertices : ndarray of int32
-        The vertices that they have.
+    casters, caster_vertices : ndarray of int32, shapes (some triangles, 3) and (some vertices,)
+        What casts the key light's shadows: large parts that are not sheets, between some of their vertices. Corners are
+        places in the list of vertices.
+    coarse_casters, coarse_vertices : ndarray of int32
+        The same between fewer vertices, for the soft lights.
     solid : ndarray of float32, shape (vertices,)
         Opacity: 1, falling to 0 where the trunk is cut off.
     lift : ndarray of float32, shape (vertices,)
@@ -64,6 +66,8 @@ class Scene:
     gloss : ndarray of float32, shape (vertices, 2)
         Roughness squared (the GGX alpha) and reflectance head-on.
     scatter : ndarray of float32, shape (vertices,)
+    thin : ndarray of float32, shape (vertices,)
+        How much light comes through from the other side: scatter where flesh is thin (ears, nose, lids), else 0.
     uv : ndarray of float32, shape (vertices, 2)
     texels : ndarray of uint8, shape (n, 3)
         All levels of all textures, row by row.
@@ -94,6 +98,7 @@ class Scene:
     albedo: Floats
     gloss: Floats
     scatter: Floats
+    thin: Floats
     uv: Floats
     texels: NDArray[np.uint8]
     texture_level: Indices
@@ -119,8 +124,12 @@ class Scene:
         centre, radius = _head_ball(parts)
         sheet = np.array([share > _SHEET_SHARE for _, share in rims])
         casts = _casts(parts) & ~sheet
-        casters = _triangles_of(parts, starts, casts)
-        coarse = _coarser(parts, vertices, casters)
+        casting = _triangles_of(parts, starts, casts)
+        moves = np.concatenate([_moves(part) for part in parts])
+        owner = np.repeat(np.arange(len(parts)), [len(part.vertices) for part in parts])
+        (casters, caster_vertices), (coarse, coarse_vertices) = (
+            _coarser(owner, vertices, moves, casting, *near) for near in (_FINE, _COARSE)
+        )
         return cls(
             starts=tuple(starts),
             triangles=np.ascontiguousarray(triangles, dtype=np.int32),
@@ -128,9 +137,9 @@ class Scene:
             sheet=sheet,
             casters=casters,
             coarse_casters=coarse,
-            caster_vertices=np.unique(casters).astype(np.int32),
-            coarse_vertices=np.unique(coarse).astype(np.int32),
-            lift=np.concatenate([_lift(part, casting) for part, casting in zip(parts, casts, strict=True)]),
+            caster_vertices=caster_vertices,
+            coarse_vertices=coarse_vertices,
+            lift=np.concatenate([_lift(part, each) for part, each in zip(parts, casts, strict=True)]),
             both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
             solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
             cavity=np.concatenate(
@@ -142,6 +151,7 @@ class Scene:
             ).astype(np.float32),
             gloss=np.concatenate([_gloss(part) for part in parts]),
             scatter=scatter,
+            thin=np.concatenate([_thin(part, each) for part, each in zip(parts, own, strict=True)]),
             uv=np.concatenate([part.uv for part in parts]).astype(np.float32),
             texels=texels,
             texture_level=levels,
@@ -173,13 +183,13 @@ def _triangles_of(parts: tuple[Part, ...], starts: list[int], chosen: NDArray[np
     return np.ascontiguousarray(np.concatenate([np.zeros((0, 3), np.int32), *pieces]), dtype=np.int32)
 
 
-def _coarser(parts: tuple[Part, ...], vertices: Floats, triangles: Indices) -> Indices:
-    """The triangles between one vertex for each group of those that lie and move together, shape (fewer, 3)."""
+def _coarser(
+    owner: NDArray[np.int64], vertices: Floats, moves: Floats, triangles: Indices, near_mm: float, move_mm: float
+) -> tuple[Indices, Indices]:
+    """Triangles between one vertex for each group of those that lie and move together; and these vertices."""
     if not len(triangles):
-        return triangles
-    moves = [_moves(part) for part in parts]
-    owner = np.repeat(np.arange(len(parts)), [len(part.vertices) for part in parts])[:, None]
-    key = np.hstack([owner, np.floor(vertices / _COARSE_MM), np.rint(np.concatenate(moves) / _COARSE_MOVE_MM)])
+        return triangles, np.zeros(0, np.int32)
+    key = np.hstack([owner[:, None], np.floor(vertices / near_mm), np.rint(moves / move_mm)])
     used = np.unique(triangles)
     _, group = np.unique(key[used].astype(np.int64), axis=0, return_inverse=True)
     group = group.reshape(-1)
@@ -194,7 +204,8 @@ def _coarser(parts: tuple[Part, ...], vertices: Floats, triangles: Indices) -> I
     apart = (corner[:, 0] != corner[:, 1]) & (corner[:, 1] != corner[:, 2]) & (corner[:, 2] != corner[:, 0])
     corner = corner[apart]
     turned = np.take_along_axis(corner, (corner.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
-    return np.ascontiguousarray(np.unique(turned, axis=0), dtype=np.int32).reshape(-1, 3)
+    kept, places = np.unique(np.unique(turned, axis=0), return_inverse=True)
+    return np.ascontiguousarray(places.reshape(-1, 3), dtype=np.int32), kept.astype(np.int32)
 
 
 def _moves(part: Part) -> Floats:
@@ -221,6 +232,26 @@ def _solid(part: Part, rim: Indices) -> Floats:
     for point in part.vertices[edge]:
         squared = np.minimum(squared, ((part.vertices - point) ** 2).sum(axis=1))
     return np.clip(np.sqrt(squared) / _FADE_MM, 0, 1).astype(np.float32)
+
+
+def _thin(part: Part, welded: Indices) -> Floats:
+    """Skin that has more skin, turned away from it, so near behind it that light comes through."""
+    thin = np.zeros(len(part.vertices), dtype=np.float32)
+    if part.material.scatter == 0 or not len(part.triangles):
+        return thin
+    normals = np.empty_like(part.vertices)
+    shade(part.vertices, part.triangles, welded, normals)
+    tree, others = cKDTree(part.vertices), -0.3 * np.ones(len(thin))
+    for depth in _THIN_MM:
+        away, nearest = tree.query(part.vertices - np.float32(depth) * normals)
+        turned = (normals * normals[nearest]).sum(axis=1) < others
+        thin = np.maximum(thin, np.where(turned & (away < _THIN_MM[0]), 1 - 0.5 * depth / _THIN_MM[-1], 0))
+    ends = np.concatenate([part.triangles[:, [0, 1]], part.triangles[:, [1, 2]], part.triangles[:, [2, 0]]])
+    ends = welded[np.concatenate([ends, ends[:, ::-1]])]
+    for _ in range(4):  # no step where it ends
+        total = np.bincount(ends[:, 0], thin[ends[:, 1]], len(thin))
+        thin = (total / np.maximum(np.bincount(ends[:, 0], minlength=len(thin)), 1))[welded]
+    return np.asarray(part.material.scatter * thin, dtype=np.float32)
 
 
 def _spacing(part: Part) -> Floats:

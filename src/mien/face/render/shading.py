@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mien.core.compiled import njit, prange
+from mien.core.compiled import njit
 from mien.face.render.colour import KNEE, SRGB_STEPS
 from mien.face.render.rasteriser import (
     ALPHA,
@@ -45,17 +45,18 @@ _SHARE = (_BITS.sum(axis=1) / 4).astype(np.float32)
 _MIDDLE = ((_BITS @ SAMPLES) / np.maximum(_BITS.sum(axis=1, keepdims=True), 1)).astype(np.float32)
 
 
-@njit(cache=True, error_model="numpy", parallel=True, nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True)
 def draw(
-    points, triangles, triangle_part, planes, level, reach, order, fragments, counts, texels, texture_level, axes,
-    focal, directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise, out,
+    points, triangles, triangle_part, planes, level, reach, order, begin, end, fragments, counts, texels,
+    texture_level, axes, focal, directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise, out,
 ):  # fmt: skip
-    """Draw all bands into ``out``, (height, width, 3) uint8 before a background, or (height, width, 4) before none.
+    """Draw the bands from ``begin`` to ``end`` of ``order`` into ``out``.
 
-    ``behind`` (height, width, 3) is the background in linear light, ``backdrop`` the same as pixels.
+    It is (height, width, 3) uint8 before a background, or (height, width, 4) before none. ``behind`` (height, width, 3)
+    is the background in linear light, ``backdrop`` the same as pixels.
     """
     height, width = out.shape[:2]
-    for number in prange(order.shape[0]):
+    for number in range(begin, end):
         band = order[number]
         top, left, wide = band * BAND, reach[band, 0], reach[band, 1] - reach[band, 0]
         rows, count = min(BAND, height - top), counts[band]
@@ -67,16 +68,16 @@ def draw(
             continue
         total = np.zeros((rows * wide, 4), np.float32)
         chunk, mixed = np.empty(_ROWS * CHUNK, np.float32), np.empty(COLUMNS, np.float32)
-        for begin in range(0, count, CHUNK):
-            n = min(CHUNK, count - begin)
+        for first in range(0, count, CHUNK):
+            n = min(CHUNK, count - first)
             _look_up(
-                fragments[band, begin : begin + n], n, top, left, np.float32(0.5 * width), np.float32(0.5 * height),
+                fragments[band, first : first + n], n, top, left, np.float32(0.5 * width), np.float32(0.5 * height),
                 np.float32(1.0 / focal), points, triangles, triangle_part, planes, level, texels, texture_level, linear,
                 axes[0], axes[1], axes[2], mixed, chunk,
             )  # fmt: skip
             _shine(n, directions, colours, sky, exposure, chunk)
             for i in range(n):
-                place = fragments[band, begin + i, 1]
+                place = fragments[band, first + i, 1]
                 pixel, same = ((place >> 4) & 15) * wide + (place >> 8), place & 15
                 weight = _SHARE[same] * chunk[SOLID * CHUNK + i]
                 for k in range(3):
@@ -124,7 +125,7 @@ def _look_up(
 ):  # fmt: skip
     """Fill a chunk: what the corners say at each fragment, times the texture's colour, and the way to the camera."""
     last = np.uint64(1 << 40)
-    first, wide, tall = -1, 1, 1
+    first, wide, tall, columns = -1, 1, 1, points.shape[1]
     for i in range(n):
         t, place = np.uint64(fragments[i, 0]), fragments[i, 1]
         px = np.float32(left + (place >> 8)) + _MIDDLE[place & 15, 0]
@@ -146,7 +147,7 @@ def _look_up(
         fa, fb, fc = max(_ONE - fb - fc, _ZERO), max(fb, _ZERO) * bn, max(fc, _ZERO) * cn
         share = _ONE / (fa + fb + fc)
         fa, fb, fc = fa * share, fb * share, fc * share
-        for k in range(COLUMNS):
+        for k in range(columns):  # a number that the compiler does not know: it would unroll, and not use vectors
             mixed[k] = fa * points[a, k] + fb * points[b, k] + fc * points[c, k]
         if first >= 0:
             _texture(first, wide, tall, texels, linear, mixed)
