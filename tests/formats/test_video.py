@@ -280,7 +280,7 @@ def test_what_a_kind_cannot_hold_is_one_line():
 
 def test_colours_become_luma_and_chroma_as_ffmpeg_makes_them():
     rng = np.random.default_rng(1)
-    picture = np.repeat(np.repeat(rng.integers(0, 256, (12, 16, 3), np.uint8), 4, axis=0), 4, axis=1)
+    picture = np.repeat(np.repeat(rng.integers(0, 256, (3, 4, 3), np.uint8), 16, axis=0), 16, axis=1)
     planes = np.empty((72, 64), np.uint8)
     luma_and_chroma(picture, planes)
     other = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(

@@ -296,7 +296,7 @@ def _encode_pictures(
     """Encode pictures as they come, each followed by the sound up to its end, so that the tracks lie side by side."""
     blocks = _SoundBlocks(container, voice, sound)
     for number, picture in fed:
-        frame = _frame(picture, video)
+        frame = _frame(picture, video.pix_fmt)
         frame.pts, frame.time_base = number, 1 / fps
         container.mux(video.encode(frame))
         blocks.write_until(round((number + 1) / fps * sound.rate))
@@ -306,11 +306,11 @@ def _encode_pictures(
         container.mux(voice.encode(None))
 
 
-def _frame(picture: Picture, video: Any) -> Any:
-    pixels, height, width = video.pix_fmt, video.height, video.width
+def _frame(picture: Picture, pixels: str) -> Any:
     if pixels == "yuv420p":
-        if picture.shape != (height, width, 3):
-            raise ValueError(f"a picture of shape {picture.shape} in a video of shape {(height, width, 3)}")
+        if picture.ndim != 3 or picture.shape[2] != 3:
+            raise ValueError(f"a picture has the shape (height, width, 3), not {picture.shape}")
+        height, width = picture.shape[:2]
         planes = np.empty((height * 3 // 2, width), dtype=np.uint8)
         luma_and_chroma(picture, planes)
         return av.VideoFrame.from_ndarray(planes, format=pixels)
