@@ -252,12 +252,12 @@ def _share_seen(n, axes, radius, depth, cells, number, c):
         near, fu, fv = c[_NEAR * CHUNK + i], c[_FU * CHUNK + i], c[_FV * CHUNK + i]
         d00, d10 = c[_CELLS * CHUNK + i], c[(_CELLS + 1) * CHUNK + i]
         d01, d11 = c[(_CELLS + 2) * CHUNK + i], c[(_CELLS + 3) * CHUNK + i]
-        low = (_ONE - fu if near >= d00 else _ZERO) + (fu if near >= d10 else _ZERO)
-        high = (_ONE - fu if near >= d01 else _ZERO) + (fu if near >= d11 else _ZERO)
-        seen = (_ONE - fv) * low + fv * high
+        below = (_ONE - fu if near >= d00 else _ZERO) + (fu if near >= d10 else _ZERO)
+        above = (_ONE - fu if near >= d01 else _ZERO) + (fu if near >= d11 else _ZERO)
+        seen = (_ONE - fv) * below + fv * above
         c[_SEEN * CHUNK + i] = max(seen, c[_OUT * CHUNK + i])
-        low, high = d00 if d00 > d10 else d10, d01 if d01 > d11 else d11
-        c[_NEAREST * CHUNK + i] = low if low > high else high
+        one, two = d00 if d00 > d10 else d10, d01 if d01 > d11 else d11
+        c[_NEAREST * CHUNK + i] = one if one > two else two
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -236,7 +236,7 @@ def _solid(part: Part, rim: Indices) -> Floats:
 
 def _thin(part: Part, welded: Indices) -> Floats:
     """Skin that has more skin, turned away from it, so near behind it that light comes through."""
-    thin = np.zeros(len(part.vertices), dtype=np.float32)
+    thin: NDArray[Any] = np.zeros(len(part.vertices), dtype=np.float32)
     if part.material.scatter == 0 or not len(part.triangles):
         return thin
     normals = np.empty_like(part.vertices)
