@@ -152,7 +152,7 @@ def _shining_through(renderer: Renderer, number: int, points: Array, facing: Arr
     scene, lights, cells = renderer.scene, renderer.lighting, len(depth)
     place = points @ axes.T
     at = np.floor(place[:, :2] * (0.5 * cells / scene.head_radius) + 0.5 * cells - 0.5).astype(int)
-    inside: Array = ((at >= 0) & (at < cells - 1)).all(axis=1)
+    inside = np.asarray(((at >= 0) & (at < cells - 1)).all(axis=1))
     at = np.where(inside[:, None], at, 0)
     nearest = np.max([depth[at[:, 1] + j, at[:, 0] + i] for i in (0, 1) for j in (0, 1)], axis=0)
     thick = np.maximum(nearest - place[:, 2] + scene.lift, 0)[:, None] / (lights.reach_mm * light.THROUGH_MM)
