@@ -36,14 +36,14 @@ export class Stage {
   private shadows: boolean;
 
   constructor(readonly canvas: HTMLCanvasElement, private readonly backdrop: HTMLElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.quality = chosenQuality();
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.quality === 'full', alpha: true, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.0;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.fineness = Math.min(globalThis.devicePixelRatio, FINEST);
-    this.quality = chosenQuality(this.renderer);
     this.shadows = this.quality === 'full';
     if (this.quality === 'full') this.reflect();
     this.scene.add(this.lamps);
@@ -272,18 +272,19 @@ export class Stage {
     else if (this.shadows) {
       this.shadows = false;
       this.light(this.lighting);
-    } else if (this.fineness > 0.5) this.fineness = 0.5;
+    } else if (this.fineness > 0.35) this.fineness = this.fineness > 0.5 ? 0.5 : 0.35;
     else return;
     this.fit();
   }
 }
 
 /** What is asked for in the page's address (`?quality=full`), or else what the machine can draw. */
-function chosenQuality(renderer: WebGLRenderer): Quality {
+function chosenQuality(): Quality {
   const asked = new URLSearchParams(location.search).get('quality');
   if (asked === 'full' || asked === 'plain') return asked;
-  const gl = renderer.getContext();
-  const known = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = known === null ? '' : String(gl.getParameter(known.UNMASKED_RENDERER_WEBGL));
+  const gl = document.createElement('canvas').getContext('webgl2'); // before the real one: smooth edges are chosen with that
+  const known = gl?.getExtension('WEBGL_debug_renderer_info') ?? null;
+  const name = gl === null || known === null ? '' : String(gl.getParameter(known.UNMASKED_RENDERER_WEBGL));
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
   return /swiftshader|llvmpipe|software/i.test(name) ? 'plain' : 'full';
 }
