@@ -45,7 +45,7 @@ try {
     tab.on('pageerror', (error) => seen.complaints.push(String(error)));
     tab.on('console', (told) => { if (told.type() === 'error') seen.complaints.push(told.text()); });
     await tab.goto(`http://127.0.0.1:${server.address().port}/${name}.html`);
-    await tab.waitForFunction(() => window.face !== undefined, null, { timeout: 60_000 });
+    await tab.waitForFunction(() => window.face !== undefined, null, { timeout: 60_000 }).catch((problem) => { throw new Error(`${name}: ${problem.message}; ${seen.complaints.join('; ')}`); });
     seen[name] = await tab.evaluate(async () => {
       const values = [];
       for (let look = 0; look < 12; look++) {

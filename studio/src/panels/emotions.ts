@@ -3,7 +3,7 @@ import { make } from '../dom';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
 
-const SIZE = 72; // px
+const SIZE = 144; // px: drawn twice as large as it is shown, so that edges are smooth
 
 export class Emotions {
   readonly element = make('div', { class: 'feelings' });

@@ -5,12 +5,14 @@ import type { Recipe } from 'mien-viewer';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
 
-interface Report { meshes: { mesh: string; driven: Record<string, Recipe>; unknown: string[] }[]; nodes: Record<string, string> }
+interface Report { verdict?: string; meshes: { mesh: string; driven: Record<string, Recipe>; unknown: string[] }[]; nodes: Record<string, string> }
 
 export class FacePanel {
   readonly element = make('div', { class: 'panel', id: 'panel-face' });
   id: string;
   private readonly known = new Map<string, Record<string, Recipe>>();
+  private readonly pictures = new Map<string, HTMLCanvasElement>();
+  private readonly reports = new Map<string, [name: string, report: Report]>();
   private readonly file = make('input', { type: 'file', accept: '.glb,.vrm,model/gltf-binary', class: 'visually-hidden', id: 'field-face' });
   private readonly report = make('div', { class: 'report', 'aria-live': 'polite' });
   private readonly cast = make('div', { class: 'cast', role: 'group', 'aria-label': 'Faces' });
@@ -31,10 +33,14 @@ export class FacePanel {
   /** All faces that can be shown, as pictures; those that were opened keep what drives them. */
   async list(): Promise<void> {
     const faces = await api.faces();
-    for (const { face, report } of faces) if (report !== undefined) this.known.set(face, recipesOf(report as Report));
+    for (const { face, name, report } of faces) {
+      if (report === undefined) continue;
+      this.known.set(face, recipesOf(report as Report));
+      this.reports.set(face, [name, report as Report]);
+    }
     this.cast.replaceChildren(...faces.map(({ face, name, own }) => {
       const press = button(name, () => void this.show(face).catch((problem: unknown) => this.session.tell(problem, 'face')), { class: 'member', 'data-face': face, 'aria-pressed': String(face === this.id), title: name },
-        own ? make('span', { class: 'own', 'aria-hidden': 'true' }, 'GLB') : make('img', { src: `/api/faces/${face}.jpg`, alt: '', width: 72, height: 72, loading: 'lazy' }), make('span', {}, name));
+        own ? this.pictures.get(face) ?? make('span', { class: 'own', 'aria-hidden': 'true' }, 'GLB') : make('img', { src: `/api/faces/${face}.jpg`, alt: '', width: 72, height: 72, loading: 'lazy' }), make('span', {}, name));
       return press;
     }));
   }
@@ -43,9 +49,21 @@ export class FacePanel {
     await this.stage.show(await api.face(id), recipes ?? this.known.get(id));
     if (recipes !== undefined) this.known.set(id, recipes);
     this.id = id;
+    const placeholder = this.cast.querySelector(`[data-face="${CSS.escape(id)}"] .own`);
+    if (placeholder !== null) this.picture(id, placeholder);
     for (const press of this.cast.querySelectorAll<HTMLElement>('.member')) press.setAttribute('aria-pressed', String(press.dataset['face'] === id));
-    if (id === this.session.about.default_face) this.report.replaceChildren();
+    const report = this.reports.get(id);
+    if (report === undefined) this.report.replaceChildren();
+    else this.tell(...report);
     this.shown();
+  }
+
+  /** A small picture of a face of one's own, in the place of the word. */
+  private picture(id: string, placeholder: Element): void {
+    const canvas = make('canvas', { width: 144, height: 144, 'aria-hidden': 'true' });
+    this.stage.portrait(canvas, undefined);
+    this.pictures.set(id, canvas);
+    placeholder.replaceWith(canvas);
   }
 
   async upload(file: File | undefined): Promise<void> {
@@ -55,20 +73,19 @@ export class FacePanel {
     await this.session.work(async () => {
       const { face, report } = await api.addFace(file, file.name);
       const told = report as Report;
-      await this.show(face, recipesOf(told));
-      this.tell(file.name, told);
+      this.reports.set(face, [file.name, told]);
       await this.list();
+      await this.show(face, recipesOf(told));
     });
   }
 
-  private tell(name: string, { meshes, nodes }: Report): void {
+  private tell(name: string, { meshes, nodes, verdict = 'This face can perform' }: Report): void {
     const driven = meshes.reduce((sum, mesh) => sum + Object.keys(mesh.driven).length, 0);
     const all = meshes.reduce((sum, mesh) => sum + Object.keys(mesh.driven).length + mesh.unknown.length, 0);
     const parts = { head: 'head', eyeLeft: 'left eye', eyeRight: 'right eye' };
     const missing = Object.entries(parts).filter(([part]) => !(part in nodes)).map(([, told]) => told);
-    const verdict = driven >= 0.6 * all ? 'This face can perform' : 'This face can perform in part';
     const rows = meshes.filter((mesh) => mesh.unknown.length > 0).map(({ mesh, unknown }) => make('li', {}, `${mesh}: not known, they rest: ${unknown.join(', ')}`));
-    this.report.replaceChildren(make('h3', {}, name), make('p', { class: 'verdict' }, `${verdict}: ${driven} of ${all} targets move; ${missing.length === 0 ? 'head and eyes turn' : `no node for ${missing.join(', ')}: still`}.`), make('ul', {}, ...rows));
+    this.report.replaceChildren(make('h3', {}, name), make('p', { class: 'verdict' }, `${verdict.charAt(0).toUpperCase()}${verdict.slice(1)}.`), make('p', { class: 'quiet' }, `${driven} of ${all} targets move; ${missing.length === 0 ? 'head and eyes turn' : `no node for ${missing.join(', ')}: still`}.`), make('ul', {}, ...rows));
   }
 }
 

@@ -202,7 +202,7 @@ def inspected(path: Path) -> dict[str, Any]:
         driven = {target.name: target.driven_by for target in mesh.driven}
         unknown = [target.name for target in mesh.targets if not target.driven_by]
         meshes.append({"mesh": mesh.name, "driven": driven, "unknown": unknown, **asdict(mesh)})
-    told = report.as_dict() | {"meshes": meshes}
+    told = report.as_dict() | {"meshes": meshes, "verdict": report.verdict()}
     del told["path"]
     return told
 
