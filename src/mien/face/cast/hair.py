@@ -26,6 +26,7 @@ __all__ = ["beard_part", "hair_parts"]
 _CROWN = np.array([0.0, 98.0, -118.0])
 _EAR_FREE = 0.25
 _LANES = 12
+_RISE = 24.0  # mm of its length in which a strand gets up to its layer
 _CLEAR = 0.9  # mm that strands keep off the skin, whose shadow they would lie in
 
 Floats = NDArray[np.float64]
@@ -136,7 +137,7 @@ def _grow(
     count, steps = len(length), int(cut["steps"])
     step = (length / steps)[:, None]
     lift, fall = float(cut["lift"]), float(cut["fall"])
-    stray = chance.normal(size=(count, 3)) * (0.16 if tie is None else 0.04)
+    stray = chance.normal(size=(count, 3)) * (0.10 if tie is None else 0.03)
     place, normal = roots.place - 0.3 * roots.normal, roots.normal
     heading = _combed(cut, roots.place, normal, part, tie, front) + lift * normal + stray
     heading /= np.linalg.norm(heading, axis=1, keepdims=True)
@@ -144,18 +145,19 @@ def _grow(
     for number in range(steps):
         place = place + step * heading
         height, normal = ground.height(place)
-        wanted = layer * thick * min(1.0, (number + 1) / max(1.0, 0.35 * steps)) + _CLEAR
+        wanted = layer * thick * np.minimum(1.0, (number + 1) * step[:, 0] / _RISE) + _CLEAR
         if tie is not None:
             wanted = wanted * np.clip(np.linalg.norm(tie - place, axis=1) / 30, 0.3, 1)
         place = place + np.maximum(wanted - height, 0)[:, None] * normal
         if cut["comb"] != "out":  # short hair and tied hair lie on, all hair on top of the head
-            lies = 0.5 if fall < 0.3 else 0.7 * smoothstep(15.0, 55.0, place[:, 1])
-            place = place - (lies * np.maximum(height - 1.6 * wanted - 1.0, 0))[:, None] * normal
+            lies = 0.5 if fall < 0.3 else 0.9 * smoothstep(15.0, 55.0, place[:, 1])
+            place = place - (lies * np.maximum(height - 1.15 * wanted - 1.0, 0))[:, None] * normal
         moved = place - line[-1]
         moved /= np.maximum(np.linalg.norm(moved, axis=1, keepdims=True), 1e-6)
         free = smoothstep(4.0, 30.0, height)[:, None] if fall >= 0.3 else np.zeros((count, 1))
         comb = _combed(cut, place, normal, part, tie, front)
-        heading = 0.55 * moved + (1 - fall) * (1 - free) * comb + fall * np.array([0.0, -1.0, 0.0]) + 0.25 * stray
+        falls = fall * np.maximum(1 - 0.9 * smoothstep(30.0, 70.0, place[:, 1]), front)[:, None]
+        heading = 0.55 * moved + (1 - falls) * (1 - free) * comb + falls * np.array([0.0, -1.0, 0.0]) + 0.25 * stray
         heading /= np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-6)
         if tie is not None:
             near = np.linalg.norm(tie - place, axis=1, keepdims=True)
@@ -195,7 +197,7 @@ def _ribbons(
     across /= np.maximum(np.linalg.norm(across, axis=2, keepdims=True), 1e-6)
     across = across * np.cos(twist)[:, None, None] + normals * np.sin(twist)[:, None, None]
     t = np.arange(points - 1) / (points - 1)
-    half = 0.5 * width[:, None] * ((0.65 + 0.35 * np.minimum(1, 4 * t)) * (1 - t**3))[None]
+    half = 0.5 * width[:, None] * ((0.3 + 0.7 * np.minimum(1, 4 * t)) * (1 - t**4))[None]
     sides = half[..., None] * across[:, :-1]
     body = np.stack([line[:, :-1] - sides, line[:, :-1] + sides], axis=2).reshape(count, -1, 3)
     vertices = np.concatenate([body, line[:, -1:]], axis=1)
@@ -224,12 +226,12 @@ def _streaks(seed: int) -> NDArray[np.uint8]:
 def _strand_colours(person: Person, layer: Floats, chance: np.random.Generator) -> Floats:
     """A colour for each strand: between dark and light, some turned grey, the inner ones in the shade."""
     dark, light = (np.array(colour) for colour in person.hair_colour)
-    tone = np.clip(0.5 + 0.26 * chance.normal(size=(len(layer), 1)), 0, 1)
+    tone = np.clip(0.5 + 0.18 * chance.normal(size=(len(layer), 1)), 0, 1)
     colour = dark + (light - dark) * tone
     silver, white = (np.array(c) for c in (looks()["hair_colours"]["grey"][1], looks()["hair_colours"]["white"][1]))
     turned = np.clip(1.25 * person.grey + 0.35 * (chance.uniform(size=(len(layer), 1)) - 0.6) * (person.grey > 0), 0, 1)
     colour = colour + (silver + (white - silver) * max(0.0, person.grey - 0.5) * 1.6 - colour) * turned
-    return np.asarray(colour * (0.42 + 0.58 * smoothstep(0.0, 0.75, layer))[:, None])
+    return np.asarray(colour * (0.55 + 0.45 * smoothstep(0.0, 0.75, layer))[:, None])
 
 
 def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]:
@@ -259,7 +261,7 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     length = (low + (high - low) * top) * (0.55 + 0.45 * inside) * chance.uniform(0.82, 1.12, count)
     thin, deep = cut["thick"]
     thick = (thin + (deep - thin) * top) * (0.35 + 0.65 * inside)
-    layer = chance.uniform(size=count) ** 0.7
+    layer = chance.uniform(size=count) ** (0.7 if "to" not in cut else 0.25)  # what is tied lies flat
     part = float(chance.choice([-24.0, 24.0, 4.0]))
     front = ((roots.rest[:, 2] > -50) & (np.abs(roots.rest[:, 0]) < 56) & (cut["comb"] == "fringe")).astype(float)
     tie = np.array([0.0, *cut["to"]]) if "to" in cut else None
@@ -267,21 +269,25 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
         length, layer = length, layer * 0.5 + 0.5 * np.abs(np.sin(np.pi * cut["rows"] * _turn(roots.rest) / 2)) ** 0.5
     if "drop" in cut:
         reach = np.maximum(roots.place[:, 1] - float(cut["drop"]), 18) * (1.0 + 0.30 * top)
-        reach = np.where(front > 0.5, 55.0 - np.minimum(roots.rest[:, 2], 12), reach)  # a fringe ends above the eyes
+        low = np.maximum(74 - roots.rest[:, 1], 0)
+        reach = np.where(front > 0.5, 55.0 - low - np.minimum(roots.rest[:, 2], 12), reach)  # ends above the eyes
         length = np.minimum(length, reach * chance.uniform(0.93, 1.05, count))
     line, normals = _grow(ground, cut, roots, length, layer, thick, chance, part, tie, front)
     for key in ("curl", "wave"):
         if key in cut:
             radius, pitch = cut[key]
             line = _curled(line, normals, radius, pitch, chance, key == "wave")
-    width = float(cut["width"]) * chance.uniform(0.7, 1.25, count) * (0.55 + 0.45 * inside)
+    width = float(cut["width"]) * chance.uniform(0.7, 1.25, count) * (0.35 + 0.65 * inside)
     if float(cut["fall"]) >= 0.3:
         width = width * (1 + 0.9 * smoothstep(0.55, 0.1, layer))  # inner strands fill the gaps
-    pieces = [(line, normals, width, layer)]
+    x, y, z = np.moveaxis(line, 2, 0)
+    over = ((np.abs(x) < 60) & (y < 56) & (z > 6)).any(axis=1) & (front < 0.5) & (length > 60)
+    kept = ~over  # no strand hangs into the face
+    pieces = [(line[kept], normals[kept], width[kept], layer[kept])]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
     parts = [
-        _part_of("hair" if n == 0 else "hair_tail", *piece, person, chance, 0.3 if tie is None else 0.08)
+        _part_of("hair" if n == 0 else "hair_tail", *piece, person, chance, 0.1 if tie is None else 0.06)
         for n, piece in enumerate(pieces)
     ]
     return (*parts, _cap(space, face, ground, cut, person)) if cut.get("cap", 1) else tuple(parts)
@@ -335,7 +341,7 @@ def _part_of(
     layer: Floats,
     person: Person,
     chance: np.random.Generator,
-    twist: float = 0.3,
+    twist: float = 0.1,
 ) -> Part:
     count = len(line)
     lane = chance.integers(_LANES, size=count)
@@ -343,7 +349,7 @@ def _part_of(
     colours = np.repeat(_strand_colours(person, layer, chance), len(vertices) // count, axis=0)
     # Hair on the shoulders stays with them when the head turns.
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, vertices[:, 1])
-    material = Material("hair", texture=_streaks(person.seed), roughness=0.50, specular=0.22)
+    material = Material("hair", texture=_streaks(person.seed), roughness=0.55, specular=0.13)
     return Part(
         name, vertices.astype(np.float32), triangles.astype(np.int32), uv.astype(np.float32),
         np.clip(colours, 0, 1).astype(np.float32), material, weight.astype(np.float32),
@@ -364,11 +370,11 @@ def _cap(space: HeadSpace, face: Face, ground: _Ground, cut: Mapping[str, Any], 
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     depth = hair_depth(rest, cut) - 40 * smoothstep(0.0, 0.2, ears)
     thin, deep = cut["thick"]
-    full = float(cut.get("cap", 0.4)) * (thin + (deep - thin) * smoothstep(10.0, 78.0, rest[:, 1]))
+    full = float(cut.get("cap", 0.22)) * (thin + (deep - thin) * smoothstep(10.0, 78.0, rest[:, 1]))
     full = full * (1 + 0.12 * layered_noise(rest, 16.0, person.seed + 70, layers=2)) if "cap" in cut else full
     lift = full * smoothstep(2.0, 26.0, depth) - 1.6 * smoothstep(6.0, 0.0, depth)
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, place[:, 1])
-    dark = np.asarray(_strand_colours(person, np.full(1, 0.52), np.random.default_rng(0)))[0]
+    dark = np.asarray(_strand_colours(person, np.full(1, 0.3), np.random.default_rng(0)))[0]
     speck = 1 + 0.25 * layered_noise(rest, 5.0, person.seed + 71, layers=2)[:, None]
     keep = (depth[local] > -8).any(axis=1)
     used, local = np.unique(local[keep], return_inverse=True)

@@ -230,7 +230,7 @@ def _growth(paint: _Paint) -> None:
     dark = np.asarray(person.hair_colour[0])
     hair_shade = dark + 0.55 * person.grey * (np.array([0.55, 0.54, 0.53]) - dark)
     ragged = 0.10 * layered_noise(place, 3.0, person.seed + 40) + 0.06 * value_noise(place, 0.7, person.seed + 41)
-    edge = 3.5 * layered_noise(place, 7.0, person.seed + 44) + 30 * ragged
+    edge = 2.0 * layered_noise(place, 7.0, person.seed + 44) + 12 * ragged
     cut = looks()["cuts"][person.hair]
     thin = float(cut.get("soft", 9.0))
     growth = smoothstep(-4.0, thin, hair_depth(place, cut) + edge) * (1 - smoothstep(0.05, 0.4, paint.sheet.ears))
