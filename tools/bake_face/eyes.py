@@ -75,8 +75,8 @@ def build_caruncles(corners: Floats) -> Sculpt:
 
 
 def _sclera(theta: Floats, phi: Floats, seed: int) -> Floats:
-    white = np.array([0.915, 0.895, 0.875])
-    warm = np.array([0.86, 0.70, 0.64])
+    white = np.array([0.70, 0.68, 0.66])  # in an eye, under brow and lashes: about as light as the skin around
+    warm = np.array([0.68, 0.55, 0.50])
     share = 0.55 * smoothstep(0.75, 1.5, theta)
     cloud = 0.012 * layered_noise(np.stack([theta * np.cos(phi), theta * np.sin(phi)], axis=1), 0.25, seed)
     return np.asarray(white + (warm - white) * share[:, None] + cloud[:, None])
