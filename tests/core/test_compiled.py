@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mien.core.compiled import cache_folder
+from mien.core.compiled import cache_folder, njit, when_compiling
 
 
 def test_beside_the_source_if_that_can_be_written(tmp_path: Path) -> None:
@@ -84,3 +84,11 @@ def test_numba_is_loaded_by_the_first_call_and_kernels_find_each_other() -> None
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_who_waits_for_a_compilation_is_told_once() -> None:
+    told: list[str] = []
+    when_compiling(lambda: told.append("compiling"))
+    one, other = njit()(lambda: 1), njit()(lambda: 2)
+    assert (one(), other(), one()) == (1, 2, 1)
+    assert told == ["compiling"]

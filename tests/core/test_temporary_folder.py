@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from mien.core.errors import OutputError
 from mien.core.temporary_folder import temporary_folder
 
 HOLD = """
@@ -52,3 +53,15 @@ def test_a_folder_of_somebody_else_is_not_used(place: Path) -> None:
     with temporary_folder() as folder:
         assert folder.parent == place
     assert not list(trap.iterdir())
+
+
+def test_nowhere_to_write_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> str:
+        raise FileNotFoundError(2, "No usable temporary directory found")
+
+    monkeypatch.setattr("tempfile.gettempdir", none)
+    with (
+        pytest.raises(OutputError, match="no folder for temporary files can be written; set TMPDIR"),
+        temporary_folder(),
+    ):
+        pass

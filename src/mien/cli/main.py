@@ -7,6 +7,7 @@ be used; 130 stopped.
 from __future__ import annotations
 
 import argparse
+import errno
 import io
 import os
 import sys
@@ -40,6 +41,7 @@ from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
+from mien.core.compiled import when_compiling
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import claimed_outputs
 
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 
+_OF_STREAMS = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EPIPE, errno.EFBIG)
 _WITHOUT_FRAMES = (".wav", ".textgrid")
 _OF_FRAMES: dict[str, str | None] = {
     "fps": "30", "performer": "default", "speech_model": None, "prosody": "0.5", "alive": "all",
@@ -99,6 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # a terminal that cannot show a name must not end the work
     options = _parser().parse_args(arguments)
     stop_cleanly()
+    when_compiling(None if getattr(options, "quiet", False) else _tell_of_compiling)
     try:
         with claimed_outputs():
             code: int = options.run(options)
@@ -121,8 +125,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if problem.filename is not None:  # a fault of ours: the rooms below name files in errors of their own
             raise
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - what is left in it cannot be written either
-        print(f"mien: error: cannot write to standard output: {problem.strerror}", file=sys.stderr)
+        about = "cannot write to standard output" if problem.errno in _OF_STREAMS else "the system refuses"
+        print(f"mien: error: {about}: {problem.strerror or _one_line(problem)}", file=sys.stderr)
         return 2
+
+
+def _tell_of_compiling() -> None:
+    told = "mien: compiling what draws and poses: about half a minute, once; 'mien warm-up' does it ahead"
+    print(told, file=sys.stderr, flush=True)
 
 
 def _tell_of_lost_kernels(quiet: bool) -> None:

@@ -17,7 +17,9 @@ def add_command(commands: Any) -> None:
 
 def _warm_up(options: argparse.Namespace) -> int:
     from mien.api.warming import warm_up
+    from mien.core.compiled import when_compiling
 
+    when_compiling(None)
     if not options.quiet:
         print("compiling what draws and poses: about half a minute, once", flush=True)
     where = warm_up()

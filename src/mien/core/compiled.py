@@ -15,13 +15,14 @@ import os
 import stat
 import tempfile
 import threading
+import warnings
 from collections.abc import Callable, Mapping
 from functools import cache, update_wrapper
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-__all__ = ["Kernel", "cache_folder", "cache_note", "compilations", "kept", "njit"]
+__all__ = ["Kernel", "cache_folder", "cache_note", "compilations", "kept", "njit", "when_compiling"]
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 
@@ -86,6 +87,8 @@ def _numba() -> ModuleType:
         os.environ[_VARIABLE] = str(folder)
     import numba
 
+    # Without semaphores (/dev/shm read-only) it warns of programs that fork while they compile: we do not.
+    warnings.simplefilter("ignore", numba.errors.NumbaSystemWarning)
     if _VARIABLE in os.environ:  # somebody may have loaded it before
         numba.config.CACHE_DIR = os.environ[_VARIABLE]  # type: ignore[attr-defined]
     return numba
@@ -93,6 +96,7 @@ def _numba() -> ModuleType:
 
 _one_at_a_time = threading.RLock()
 _made: list[Any] = []
+_to_tell: Callable[[], None] | None = None
 
 
 class Kernel:
@@ -122,6 +126,7 @@ class Kernel:
                 options["cache"] = options.get("cache", False) and kept()
                 compiled = self._compiled = numba.njit(**options)(self.py_func)
                 _made.append(compiled)
+                _tell_if_new(compiled)
                 names = self.py_func.__globals__
                 for name, value in list(names.items()):
                     if isinstance(value, Kernel):
@@ -133,6 +138,20 @@ class Kernel:
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """`numba.njit` at the first call, kept between starts where there is a place for it."""
     return lambda function: Kernel(function, options)
+
+
+def when_compiling(tell: Callable[[], None] | None) -> None:
+    """Have something called, once, when a kernel is about to be compiled that no earlier start has kept."""
+    global _to_tell
+    _to_tell = tell
+
+
+def _tell_if_new(compiled: Any) -> None:
+    global _to_tell
+    index = getattr(getattr(getattr(compiled, "_cache", None), "_cache_file", None), "_index_path", None)
+    if _to_tell is not None and (index is None or not Path(index).exists()):
+        tell, _to_tell = _to_tell, None
+        tell()
 
 
 def compilations() -> int:

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from mien.core.errors import OutputError
+
 __all__ = ["temporary_folder", "users_folder"]
 
 _PREFIX = "work-"
@@ -34,6 +36,11 @@ def users_folder() -> Path | None:
 def temporary_folder() -> Iterator[Path]:
     """Yield an empty folder that is removed at the end; what killed programs left of theirs is removed as well.
 
+    Raises
+    ------
+    OutputError
+        If none can be made.
+
     Examples
     --------
     >>> with temporary_folder() as folder:
@@ -42,7 +49,11 @@ def temporary_folder() -> Iterator[Path]:
     >>> folder.exists()
     False
     """
-    folder, handle = _made()
+    try:
+        folder, handle = _made()
+    except OSError as problem:
+        told = "no folder for temporary files can be written; set TMPDIR to one of yours"
+        raise OutputError(f"{told} ({problem.strerror or problem})") from problem
     try:
         yield folder
     finally:

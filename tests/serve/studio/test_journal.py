@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from mien.core.errors import InputError
-from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, sweep
+from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, record_of, sweep
 from mien.serve.studio.requests import TakeRequest
 from mien.serve.studio.settings import Limits
 from tests.serve.studio.client import Client, studio
@@ -117,6 +117,14 @@ def test_a_line_that_was_cut_off_is_passed_over(tmp_path: Path) -> None:
     assert (len(again.get(name).steps), again.get(name).at) == (1, 0)
     again.change(name, 1, [Step(request)], 1)
     assert Journal(tmp_path, LIMITS).get(name).at == 1
+
+
+def test_a_number_beyond_all_bounds_is_a_fault_that_is_told(tmp_path: Path) -> None:
+    (tmp_path / "takes").mkdir()
+    (tmp_path / "takes" / "abcdefgh.jsonl").write_text('{"name": "a", "made": 1, "steps": [], "at": 1e999}\n')
+    assert "abcdefgh.jsonl" in Journal(tmp_path, LIMITS).faults[0]
+    with pytest.raises(InputError, match="no take of mien's studio"):
+        record_of({"name": "a", "made": 1, "steps": [], "at": float("inf")}, LIMITS)
 
 
 def test_steps_are_bounded() -> None:

@@ -138,7 +138,7 @@ class Journal:
                     self.faults.append(f"{path.name}: line {number + 1} was cut off and is passed over")
                     continue
                 record = _told(record, told, self._limits)
-        except (InputError, KeyError, TypeError, ValueError, AttributeError, OSError) as problem:
+        except (InputError, KeyError, TypeError, ValueError, ArithmeticError, AttributeError, OSError) as problem:
             self.faults.append(f"{path.name}: {problem}")
         if record is not None and record.steps and _ID.fullmatch(path.stem):
             self.records[path.stem] = record
@@ -297,7 +297,7 @@ def record_of(told: Mapping[str, Any], limits: Limits) -> Record:
     """
     try:
         record = _told(None, told, limits)
-    except (KeyError, TypeError, ValueError, AttributeError) as problem:
+    except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError) as problem:
         raise InputError(f"this is no take of mien's studio ({type(problem).__name__}: {problem})") from problem
     if record is None or not record.steps or not 0 <= record.at < len(record.steps):
         raise InputError("this is no take of mien's studio: it has no steps")
