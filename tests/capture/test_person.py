@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mien.capture.capture import capture_take
 from mien.capture.layouts import load_layout
 from mien.capture.person import fit_person, neutral_markers
 from mien.capture.person_file import arrays_of, person_from, stamp_of
@@ -40,6 +41,25 @@ def test_a_head_of_the_space_is_found_again_and_its_channels_with_it() -> None:
         wanted = moves[WEIGHTS.index(name)][columns, 1]
         assert (found @ wanted) / (wanted @ wanted) == pytest.approx(1.0, abs=0.1)
     assert len(person.head) >= 20
+
+
+def test_a_chin_of_which_half_is_seen_still_tells_an_open_jaw() -> None:
+    track = markers_of(weights_of(jawOpen=0.5))
+    chin = track.positions[0, :, 1] < -85
+    positions = track.positions.copy()
+    positions[:, chin] = positions[0, chin] + 0.5 * (positions[:, chin] - positions[0, chin])
+    halved = MarkerTrack(track.names, positions, RATE)
+    person = fit_person([halved], LAYOUT, face=load_face("default"))
+    found = capture_take(halved, LAYOUT, head=person).channels
+    assert found.channel("jawOpen").max() == pytest.approx(0.5, abs=0.05)
+    assert found.channel("mouthLowerDownLeft").max() < 0.1
+    jaws = [
+        person.basis[person.channels.index("jawOpen")]
+        for person in (
+            fit_person([track], LAYOUT, source, face=load_face("default")) for source in ("tracker", "optical")
+        )
+    ]
+    assert np.allclose(*jaws)  # a chin that comes along is left as it is
 
 
 def test_noise_is_measured() -> None:

@@ -84,6 +84,7 @@ def learn(
     *,
     name: str | None = None,
     speech_model: str = "both",
+    start: str | Path | None = "default",
     exclude_words: Collection[str] = (),
     exclude_names: Collection[str] = (),
     speakers: str = "one",
@@ -104,6 +105,8 @@ def learn(
         Of the performer; None takes that of the file.
     speech_model : {"coarticulation", "graph", "both"}
         What it speaks with by default.
+    start : str, Path or None
+        The performer whose mouth is started from, so that a few takes are enough; None starts from nothing.
     exclude_words, exclude_names : collection of str
         Takes in which one of these words is said, or that have one of these names, are held out.
     speakers : str
@@ -130,6 +133,7 @@ def learn(
     """
     from mien.motion.learning import LearningSettings, learn_corpus
     from mien.motion.performer_file import save_learned
+    from mien.motion.performers import start_named
 
     path = check_writable(output) if output is not None else None
     if path is not None and path.suffix.lower() != ".mien":
@@ -137,6 +141,7 @@ def learn(
     learned = learn_corpus(
         corpus if isinstance(corpus, Corpus) else Corpus(corpus),
         LearningSettings(speech_model=speech_model),
+        prior=None if start is None else start_named(str(start)),
         progress=progress,
         name=name or (path.stem if path is not None else "learned"),
         exclude_words=exclude_words,

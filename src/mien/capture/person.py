@@ -37,6 +37,10 @@ _OVAL = (
 _LIDS = ((159, 145), (386, 374))
 _LOWEST_LIDS = 0.3  # share of the frames that are left out of the neutral upper face
 _FEWEST = 12
+_LOWER_LIP = (14, 17, 87, 317)
+_SPEAKS_MM = 1.0  # standard deviation of the lower lip's height: less is no speech
+_ALONG = 0.3  # of the lower lip's way: markers that an opening jaw takes along
+_IN_SPEECH, _LEAST_CARRIED = 0.85, 0.3  # of the way beside the lip's that the jaw alone gives, what speech has at least
 _SEEN = 0.5  # share of frames in which a marker has to be there
 _GAUSS = 1.4826 / np.sqrt(6.0)  # from the median of second differences to a standard deviation
 
@@ -175,6 +179,9 @@ def fit_person(
     basis[[n for n, name in enumerate(sought) if name.startswith(("jaw", "mouth"))]] *= _mouth_size(face)
     moving = np.abs(basis).max(axis=(1, 2)) > 0.05
     sought, basis = [n for n, moves in zip(sought, moving, strict=True) if moves], basis[moving]
+    if source == "tracker" and "jawOpen" in sought:
+        jaw, moved = sought.index("jawOpen"), (frames[:, usable] - rest[usable]) @ turn.T
+        basis[jaw] *= _carried(moved, basis[jaw], chosen, layout)[:, None]
     seen = openings_of(layout.landmarks, chosen, rest[usable] @ turn.T, frames[:, usable] @ turn.T)
     return Person(
         layout=layout.name,
@@ -213,6 +220,28 @@ def _mouth_size(face: Face) -> float:
         )
     ]
     return float(np.sqrt(across[0] / across[1]))
+
+
+def _carried(moved: Floats, jaw: Floats, markers: Sequence[str], layout: Layout) -> Floats:
+    """How far the jaw takes each marker along beside how far it does on our heads, shape (markers,), 1 at most.
+
+    Chins come along more or less from person to person, and of drawn faces the tracker reports half of a chin's way.
+    What is missing of it would be taken for a lip drawn down from a jaw that hardly opens, at each open vowel.
+    """
+    shares = np.ones(len(markers))
+    place = {name: number for number, name in enumerate(markers)}
+    lip = [place[layout.landmarks[n]] for n in _LOWER_LIP if layout.landmarks.get(n) in place]
+    there = np.isfinite(moved).all(axis=(1, 2))
+    height = moved[there, :, 1]
+    if not lip or len(height) < _FEWEST or height[:, lip].mean(axis=1).std() < _SPEAKS_MM:
+        return shares
+    height = height - height.mean(axis=0)
+    lowered = height[:, lip].mean(axis=1)
+    ours = jaw[:, 1] / jaw[lip, 1].mean()
+    along = ours > _ALONG
+    slope = (lowered[:, None] * height).sum(axis=0) / (lowered**2).sum()  # not by BLAS: the same bits on any threads
+    shares[along] = np.clip(slope[along] / (_IN_SPEECH * ours[along]), _LEAST_CARRIED, 1.0)
+    return shares
 
 
 def _rim(layout: Layout) -> set[str]:

@@ -27,6 +27,13 @@ def add_command(commands: Any) -> None:
         choices=("channels", "markers"),
         help="the mouth in captured channels, or in markers as the papers have it (default: channels where there are)",
     )
+    learn.add_argument(
+        "--from",
+        dest="start",
+        metavar="PERFORMER|nothing",
+        default="default",
+        help="the performer whose mouth is started from, so that a few takes are enough (default: default)",
+    )
     learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
     learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
     learn.add_argument(
@@ -49,11 +56,12 @@ def _learn(options: argparse.Namespace) -> int:
     from mien.corpus.recordings import Corpus
     from mien.motion.learning import LearningSettings, learn_corpus
     from mien.motion.performer_file import save_learned
+    from mien.motion.performers import start_named
 
     path = check_writable(options.output)
     if path.suffix.lower() != ".mien":
         raise InputError(f"mien learn writes a .mien file, not {options.output!r}; give -o NAME.mien")
-    corpus = Corpus(options.corpus)
+    corpus, start = Corpus(options.corpus), start_named(options.start)
     hidden = options.quiet or not sys.stderr.isatty()
     with tqdm(desc="learning", leave=False, disable=hidden) as bar:
 
@@ -72,14 +80,19 @@ def _learn(options: argparse.Namespace) -> int:
             speakers=options.speakers,
             workers=options.workers,
             cluster=options.cluster,
+            prior=start,
             tell=lambda note: None if options.quiet else print(f"mien: {note.kind}: {note.message}", file=sys.stderr),
         )
     save_learned(learned, path)
     if not options.quiet:
-        takes, size = len(learned.trained_on), path.stat().st_size / 1e6
+        begun = start is not None and "started from" in learned.about
+        known = set(start.trained_on) if start is not None and begun else set()
+        takes, size = len(set(learned.trained_on) - known), path.stat().st_size / 1e6
         mouth = learned.motion.mouth_
         what = f"{len(mouth.names)} {mouth.kind} of the mouth"
         print(f"{options.output}: learned from {takes} of {len(corpus)} takes, {what}, {size:.1f} MB")
+        if begun:
+            print(f"started from {learned.about['started from']}")
         if learned.expressions is not None:
             told = ", ".join(f"{name} {seconds:.0f} s" for name, seconds in learned.expressions.seconds.items())
             print(f"expressions: {told}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from mien.core.errors import InputError, Note, unknown_name
@@ -21,7 +22,7 @@ from mien.motion.learning_judgement import judge
 from mien.motion.maps.emotion_maps import learn_emotion_maps
 from mien.motion.mouth.coarticulation import Coarticulation, CoarticulationSettings
 from mien.motion.mouth.influence_curves import fitting_cost
-from mien.motion.mouth.mouth_space import mouth_space_of
+from mien.motion.mouth.mouth_space import ChannelSpace, mouth_space_of
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
 from mien.motion.performer_file import SPEECH_MODELS, LearnedSpeech
 
@@ -78,6 +79,7 @@ def learn(
     about: Mapping[str, str] | None = None,
     felt: Sequence[Take] = (),
     away: Away | None = None,
+    prior: LearnedSpeech | None = None,
 ) -> LearnedSpeech:
     """Learn how a person speaks.
 
@@ -95,6 +97,9 @@ def learn(
         Expressive takes: recorded motion that serves where their emotion is asked for (`felt_takes`).
     away : Away or None
         Learn the parts in other processes or on a cluster; None learns here. The result is the same.
+    prior : LearnedSpeech or None
+        A performer whose mouth is started from (`mien.motion.mouth.starting_point`): what is learned is how this person
+        differs. Its takes then count as known, and ``about`` names it.
 
     Raises
     ------
@@ -103,14 +108,16 @@ def learn(
     """
     settings = (settings or LearningSettings()).in_one_space([*takes, *felt])
     recorded = settings.speech_model != "coarticulation"
-    known = tuple(sorted(identity_of(take) for take in takes))
+    known = tuple(sorted({*map(identity_of, takes), *(prior.trained_on if prior else ())}))
+    about = dict(about or {}) | (_owed(prior) if prior else {})
+    start = prior.motion if prior else None
     if away is not None:
-        parts = away.learned(PARTS if recorded else PARTS[:2], takes, felt, settings, progress)
+        parts = away.learned(PARTS if recorded else PARTS[:2], takes, felt, settings, progress, start)
         motion, paper = parts[MOUTH], parts[CURVES]
         graph = _with_residuals(motion, parts[GRAPH], takes, felt, settings) if recorded else None
         cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
-        return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
-    motion = SpeechMotion(settings.speech)
+        return LearnedSpeech(name, motion, paper, cost, known, about, graph, settings.speech_model)
+    motion = SpeechMotion(start.settings if start else settings.speech)
     trials = TRIALS if recorded and None in (settings.graph.weights, settings.graph.evenness) else 0
     total, done = motion.epochs + 1 + trials + int(recorded), 0
 
@@ -120,7 +127,7 @@ def learn(
         if progress:
             progress(done, total, what)
 
-    motion.fit(takes, lambda: step("mouth"))
+    motion.fit(takes, lambda: step("mouth"), start)
     paper = Coarticulation(settings.paper).fit(takes)
     cost = fitting_cost(paper.pairs_, settings.paper.least_pairs)
     step("curves")
@@ -129,7 +136,13 @@ def learn(
         searched = _graph(takes, felt, settings, lambda: step("graph"))
         graph = _with_residuals(motion, searched, takes, felt, settings)
         step("recordings")
-    return LearnedSpeech(name, motion, paper, cost, known, dict(about or {}), graph, settings.speech_model)
+    return LearnedSpeech(name, motion, paper, cost, known, about, graph, settings.speech_model)
+
+
+def _owed(prior: LearnedSpeech) -> dict[str, str]:
+    """What a performer's file says of the one that it was started from."""
+    terms = "; ".join(prior.about[key] for key in ("licence", "citation") if prior.about.get(key))
+    return {"started from": f"{prior.name} ({terms})" if terms else prior.name}
 
 
 def _graph(
@@ -165,6 +178,7 @@ class _Part:
     takes: tuple[str, ...]
     felt: tuple[str, ...]
     settings: LearningSettings
+    start: SpeechMotion | None
 
 
 @one_thread
@@ -172,7 +186,7 @@ def _learned_part(part: _Part) -> Any:
     corpus, settings = Corpus(part.folder), part.settings
     takes = [corpus.take(name) for name in part.takes]
     if part.what == MOUTH:
-        return SpeechMotion(settings.speech).fit(takes)
+        return SpeechMotion(settings.speech).fit(takes, prior=part.start)
     if part.what == CURVES:
         return Coarticulation(settings.paper).fit(takes)
     return _graph(takes, [corpus.take(name) for name in part.felt], settings, lambda: None)
@@ -196,10 +210,11 @@ class Away:
         felt: Sequence[Take],
         settings: LearningSettings,
         progress: Progress | None,
+        start: SpeechMotion | None = None,
     ) -> dict[str, Any]:
         """Each part by its name."""
         plain, expressive = (tuple(take.name for take in some) for some in (takes, felt))
-        jobs = [_Part(what, self.folder, plain, expressive, settings) for what in parts]
+        jobs = [_Part(what, self.folder, plain, expressive, settings, start) for what in parts]
         found: dict[str, Any] = {}
         for job, result in each(_learned_part, jobs, self.workers, self.cluster):
             if isinstance(result, BaseException):
@@ -222,6 +237,7 @@ def learn_corpus(
     tell: Callable[[Note], None] = lambda note: None,
     workers: int | None = 0,
     cluster: str | None = None,
+    prior: LearnedSpeech | None = None,
 ) -> LearnedSpeech:
     """Learn speech from the neutral takes of a corpus, expressions and emotional speech from those with an emotion.
 
@@ -244,6 +260,9 @@ def learn_corpus(
         Processes that learn; 0: this one, None: one per core. The result is the same.
     cluster : str or None
         Address of a Dask scheduler, on whose workers is learned.
+    prior : LearnedSpeech or None
+        As in `learn`; left aside, with a note, where it was learned from takes of this corpus (it would know what is
+        held out), where there are no captured channels, or where the mouth is to be learned in markers.
 
     Raises
     ------
@@ -275,10 +294,34 @@ def learn_corpus(
     maps = learn_emotion_maps([*takes, *twins]) if twins else None
     if not takes:  # nobody was recorded neutral: how they speak is learned from what there is
         takes, felt = felt, []
+    prior = _usable(prior, corpus, [*takes, *felt], settings, tell)
     away = Away(str(corpus.folder), workers, cluster) if workers != 0 or cluster is not None else None
-    learned = learn(takes, settings, progress, name=name, about=about, felt=felt, away=away)
+    learned = learn(takes, settings, progress, name=name, about=about, felt=felt, away=away, prior=prior)
     known = tuple(sorted({*learned.trained_on, *map(identity_of, felt)}))
     return replace(learned, expressions=expressions, trained_on=known, emotion_maps=maps)
+
+
+def _usable(
+    prior: LearnedSpeech | None,
+    corpus: Corpus,
+    takes: Sequence[Take],
+    settings: LearningSettings | None,
+    tell: Callable[[Note], None],
+) -> LearnedSpeech | None:
+    """The performer to start from, or None and why not."""
+    if prior is None:
+        return None
+    why, seen = "", {take.name for take in takes}
+    others = (corpus.identity(name) for name in corpus.names if name not in seen)
+    if (settings is not None and settings.learn_in == "markers") or any(take.channels is None for take in takes):
+        why = "the mouth is learned in markers"
+    elif not isinstance(prior.motion.mouth_, ChannelSpace):
+        why = "it was learned in markers"
+    elif any(one in prior.trained_on for one in chain(map(identity_of, takes), others)):
+        why = "it was learned from takes of this corpus and would know what is held out"
+    if why:
+        tell(Note("warning", f"not started from {prior.name}: {why}"))
+    return None if why else prior
 
 
 def _is_neutral(corpus: Corpus, take: str) -> bool:

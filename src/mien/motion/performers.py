@@ -19,6 +19,7 @@ __all__ = [
     "known_performers",
     "load_learned_performer",
     "load_performer",
+    "start_named",
 ]
 
 HAND_MADE = "hand-made"
@@ -62,6 +63,26 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
     if name not in learned:
         raise unknown_name("learned performer", name, learned)
     return load_learned(asset(f"performers/{name}.mien"))
+
+
+NOTHING = "nothing"
+"""Name of the start that is none."""
+
+
+def start_named(name: str) -> LearnedSpeech | None:
+    """The performer that learning starts from, by name or file; None for ``nothing``.
+
+    Raises
+    ------
+    InputError
+        As `load_learned_performer`.
+
+    Examples
+    --------
+    >>> start_named("nothing") is None
+    True
+    """
+    return None if name == NOTHING else load_learned_performer(name)
 
 
 def load_performer(name: str | Path = "default", speech_model: str | None = None) -> Performer:

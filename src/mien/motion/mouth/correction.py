@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
 from mien.motion.mouth.articulation import articulation_table, parts_of
-from mien.motion.mouth.descent import Adam
+from mien.motion.mouth.descent import Adam, going_on
 
 __all__ = ["SPANS", "Correction", "CorrectionSettings", "articulation_about"]
 
@@ -117,13 +117,27 @@ class Correction:
         """What the networks see, shape (frames, inputs)."""
         return articulation_about(phones, times + self.settings.lead, self.settings.phone_weight)
 
-    def fit(self, seen: Floats, components: Floats, after_epoch: Callable[[], None] = lambda: None) -> Self:
-        """Learn from `describe` and the components of the same frames."""
+    def fit(
+        self,
+        seen: Floats,
+        components: Floats,
+        after_epoch: Callable[[], None] = lambda: None,
+        start: Correction | None = None,
+    ) -> Self:
+        """Learn from `describe` and the components of the same frames.
+
+        ``start``: networks from which to go on, and to which they are held (`mien.motion.mouth.descent.going_on`).
+        """
         scale = float(components.std(axis=0).max()) or 1.0
         inputs, wanted = seen.astype(np.float32), (components / scale).astype(np.float32)
-        self.layers_ = []
+        self.layers_: list[list[tuple[Array, Array]]] = []
         for number in range(self.settings.networks):
-            layers = self._train(inputs, wanted, np.random.default_rng([self.settings.seed, number]), after_epoch)
+            random = np.random.default_rng([self.settings.seed, number])
+            begun = None
+            if start is not None:
+                begun = [(w.astype(np.float32), b.astype(np.float32)) for w, b in start.layers_[number]]
+                begun[-1] = (begun[-1][0] / np.float32(scale), begun[-1][1] / np.float32(scale))
+            layers = self._train(inputs, wanted, random, after_epoch, begun)
             layers[-1] = (layers[-1][0] * np.float32(scale), layers[-1][1] * np.float32(scale))
             self.layers_.append([(w.astype(np.float64), b.astype(np.float64)) for w, b in layers])
         return self
@@ -134,21 +148,35 @@ class Correction:
         return np.asarray(np.mean(answers, axis=0))
 
     def _train(
-        self, inputs: Array, wanted: Array, random: np.random.Generator, after_epoch: Callable[[], None]
+        self,
+        inputs: Array,
+        wanted: Array,
+        random: np.random.Generator,
+        after_epoch: Callable[[], None],
+        begun: list[tuple[Array, Array]] | None,
     ) -> list[tuple[Array, Array]]:
         sizes = [inputs.shape[1], *self.settings.hidden, wanted.shape[1]]
-        layers: list[tuple[Array, Array]] = []
-        for entering, leaving in pairwise(sizes):
+        layers: list[tuple[Array, Array]] = list(begun or ())
+        for entering, leaving in pairwise(sizes if begun is None else ()):
             spread = np.sqrt(2 / entering) * (0.3 if leaving == sizes[-1] else 1.0)
             weights = (random.standard_normal((entering, leaving)) * spread).astype(np.float32)
             layers.append((weights, np.zeros(leaving, np.float32)))
-        batch = self.settings.batch
-        steps = self.settings.epochs * -(-len(inputs) // batch)
-        adam = Adam([array for layer in layers for array in layer], self.settings.rate, steps)
-        for _ in range(self.settings.epochs):
-            order = random.permutation(len(inputs))
-            for rows in np.split(order, range(batch, len(order), batch)):
-                adam.step(self._slopes(layers, inputs[rows], wanted[rows], random))
+        batch, epochs = self.settings.batch, self.settings.epochs
+        weights_and_biases = [array for layer in layers for array in layer]
+        anchors = [array.copy() for array in weights_and_biases]
+        passes, rate, pull = 1, self.settings.rate, 0.0
+        if begun is not None:
+            passes, rate, pull = going_on(len(inputs), batch, epochs, rate)
+        adam = Adam(weights_and_biases, rate, epochs * passes * -(-len(inputs) // batch))
+        for _ in range(epochs):
+            for _ in range(passes):
+                order = random.permutation(len(inputs))
+                for rows in np.split(order, range(batch, len(order), batch)):
+                    slopes = self._slopes(layers, inputs[rows], wanted[rows], random)
+                    if begun is not None:
+                        for slope, now, then in zip(slopes, weights_and_biases, anchors, strict=True):
+                            slope += np.float32(pull) * (now - then)
+                    adam.step(slopes)
             after_epoch()
         return layers
 

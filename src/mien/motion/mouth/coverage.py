@@ -63,6 +63,14 @@ class Coverage:
         self.classes_ = dict(sorted(classes.items()))
         return self
 
+    def joined(self, other: Coverage) -> Coverage:
+        """What either has heard."""
+        counts = [
+            Counter(one) + Counter(two)
+            for one, two in ((self.triphones_, other.triphones_), (self.diphones_, other.diphones_))
+        ]
+        return Coverage(self.least).restore(*counts)
+
     def of_pairs(self, labels: Sequence[str]) -> tuple[Evidence, ...]:
         """For each pair of neighbours the strongest evidence: a known triphone that holds it, itself, its classes."""
         return tuple(self._of_pair(labels, place) for place in range(len(labels) - 1))

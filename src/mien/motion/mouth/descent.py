@@ -8,11 +8,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Adam"]
+__all__ = ["Adam", "going_on"]
 
 _MEMORY, _POWER_MEMORY, _FLOOR = 0.9, 0.99, 1e-8
 
+HELD, LEAST_STEPS, CAREFUL = 100.0, 40, 0.3
+"""Learning on: frames that a start counts as; steps that are made at least; share of the usual rate."""
+
 Array = NDArray[np.floating[Any]]
+
+
+def going_on(frames: int, batch: int, epochs: int, rate: float) -> tuple[int, float, float]:
+    """How to learn on from what was learned of others: passes in each epoch, size of the steps, pull to the start.
+
+    Examples
+    --------
+    >>> going_on(512, 256, 8, 0.02)[0]  # few frames are gone through more often
+    3
+    """
+    steps = epochs * -(-frames // batch)
+    return max(1, -(-LEAST_STEPS // steps)), CAREFUL * rate, HELD / frames
 
 
 class Adam:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
 from mien.motion.mouth.articulation import articulation_table, parts_of
-from mien.motion.mouth.descent import Adam
+from mien.motion.mouth.descent import Adam, going_on
 
 __all__ = ["CURVES", "InfluenceCurves", "InfluenceSettings", "PartsInTime", "describe_parts"]
 
@@ -180,26 +180,42 @@ class InfluenceCurves:
         )
 
     def fit(
-        self, parts: Sequence[PartsInTime], components: Floats, after_epoch: Callable[[], None] = lambda: None
+        self,
+        parts: Sequence[PartsInTime],
+        components: Floats,
+        after_epoch: Callable[[], None] = lambda: None,
+        start: InfluenceCurves | None = None,
     ) -> Self:
-        """Learn from placed utterances and the components of their frames, shape (all frames, components)."""
+        """Learn from placed utterances and the components of their frames, shape (all frames, components).
+
+        ``start``: curves from which to go on, and to which they are held (`mien.motion.mouth.descent.going_on`).
+        """
         settings = self.settings
         random = np.random.default_rng(settings.seed)
         everything = PartsInTime.join(parts)
         self._scale = float(components.std(axis=0).max()) or 1.0
         wanted = (components / self._scale).astype(np.float32)
-        self._begin(everything.described.shape[1], wanted.shape[1], random)
-        start = self.weights_.copy()
-        start[1:], start[:, [0, 1, 4]] = 0, 0  # shrinkage pulls fall-offs to where they began, all else to 0
-        steps = settings.epochs * -(-len(wanted) // settings.batch)
-        adam = Adam([self.weights_, self.shapes_], settings.rate, steps)
+        passes, rate, pulls = 1, settings.rate, (settings.shrinkage, settings.shrinkage / 10)
+        if start is None:
+            self._begin(everything.described.shape[1], wanted.shape[1], random)
+            anchors = [self.weights_.copy(), np.zeros_like(self.shapes_)]
+            anchors[0][1:], anchors[0][:, [0, 1, 4]] = 0, 0  # fall-offs are pulled to where they began, all else to 0
+        else:
+            self.weights_ = start.weights_.astype(np.float32)
+            self.shapes_ = (start.shapes_ / self._scale).astype(np.float32)
+            anchors = [self.weights_.copy(), self.shapes_.copy()]
+            passes, rate, pull = going_on(len(wanted), settings.batch, settings.epochs, settings.rate)
+            pulls = (pull, pull)
+        steps = settings.epochs * passes * -(-len(wanted) // settings.batch)
+        adam = Adam([self.weights_, self.shapes_], rate, steps)
         for _ in range(settings.epochs):
-            order = random.permutation(len(wanted))
-            for rows in np.split(order, range(settings.batch, len(order), settings.batch)):
-                slopes = self._slopes(everything.frames(rows), wanted[rows])
-                slopes[0] += np.float32(settings.shrinkage) * (self.weights_ - start)
-                slopes[1] += np.float32(settings.shrinkage / 10) * self.shapes_
-                adam.step(slopes)
+            for _ in range(passes):
+                order = random.permutation(len(wanted))
+                for rows in np.split(order, range(settings.batch, len(order), settings.batch)):
+                    slopes = self._slopes(everything.frames(rows), wanted[rows])
+                    slopes[0] += np.float32(pulls[0]) * (self.weights_ - anchors[0])
+                    slopes[1] += np.float32(pulls[1]) * (self.shapes_ - anchors[1])
+                    adam.step(slopes)
             after_epoch()
         self.weights_ = self.weights_.astype(np.float64)  # still exact in single precision: files keep every bit
         self.shapes_ = (self.shapes_ * np.float32(self._scale)).astype(np.float64)

@@ -36,6 +36,8 @@ CLEAR = 0.05
 """Seconds from a phone that shuts the lips, or from a pause, at which that holds in full."""
 NEARLY_SHUT = 5.0
 """Millimetres of lip opening below which frames tell the direction in which lips close."""
+CLOSURES_HELD, FRAMES_HELD = 10, 200
+"""Closures, and frames with lips nearly shut, that a start counts as."""
 _STEPS = 4  # distances and bounds are not linear in the shift: a few steps bring it home
 
 Floats = NDArray[np.float64]
@@ -66,8 +68,11 @@ class LipClosure:
             p: kind for kind, phones in read_table("lips.toml")["seals"].items() for p in phones
         }
 
-    def fit(self, mouths: Sequence[RecordedMouth]) -> Self:
-        """Learn from recorded mouths; without the middles of the lips nothing is learned and nothing held."""
+    def fit(self, mouths: Sequence[RecordedMouth], start: LipClosure | None = None) -> Self:
+        """Learn from recorded mouths; without the middles of the lips nothing is learned and nothing held.
+
+        ``start``: of somebody else, what counts where little was recorded.
+        """
         self.closing_, self.apart_, self.delay_ = np.zeros(0), {}, {}
         rows = np.concatenate([mouth.rows for mouth in mouths])
         opening = self.space.opening_of(rows)
@@ -83,6 +88,14 @@ class LipClosure:
         near = opening < max(NEARLY_SHUT, float(np.percentile(opening, 25)))
         part = opening[near] - opening[near].mean()
         self.closing_ = part @ (rows[near] - rows[near].mean(axis=0)) / max(float(part @ part), 1e-9)
+        if start is not None:
+            for kind in start.apart_:
+                count = len(least.get(kind, ()))
+                own = count / (count + CLOSURES_HELD)
+                self.apart_[kind] = own * self.apart_.get(kind, 0.0) + (1 - own) * start.apart_[kind]
+                self.delay_[kind] = own * self.delay_.get(kind, 0.0) + (1 - own) * start.delay_[kind]
+            own = near.sum() / (near.sum() + FRAMES_HELD)
+            self.closing_ = own * self.closing_ + (1 - own) * start.closing_
         return self
 
     def hold(self, rows: Floats, phones: Tier, times: Floats) -> Floats:

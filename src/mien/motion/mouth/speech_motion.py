@@ -28,6 +28,7 @@ from mien.motion.mouth.lip_closure import LipClosure
 from mien.motion.mouth.mouth_space import MouthSpace, mouth_space_of
 from mien.motion.mouth.recorded_mouths import RecordedMouth, recorded_mouths
 from mien.motion.mouth.spread import RecordedSpread, instants_about
+from mien.motion.mouth.starting_point import StartingPoint, joined_space
 
 __all__ = ["SpeechMotion", "SpeechMotionSettings"]
 
@@ -107,7 +108,9 @@ class SpeechMotion:
         networks = correction.networks if self.settings.correction_share > 0 else 0
         return self.settings.influence.epochs + networks * correction.epochs
 
-    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+    def fit(
+        self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None, prior: SpeechMotion | None = None
+    ) -> Self:
         """Learn from takes; what does not belong to the mouth is left out.
 
         Parameters
@@ -115,29 +118,44 @@ class SpeechMotion:
         takes : sequence of Take
         after_epoch : callable
             Called `epochs` times, to show progress.
+        prior : SpeechMotion or None
+            Of somebody else, to start from (`mien.motion.mouth.starting_point`): the settings are its own then.
 
         Raises
         ------
         InputError
             If there is no take, the takes do not share their markers, or none has a frame with speech.
         """
-        self.mouth_: MouthSpace = mouth_space_of(takes, self.settings.learn_in)
-        mouths = recorded_mouths(takes, MARGIN, self.mouth_)
+        self.mouth_: MouthSpace
+        if prior is None:
+            self.mouth_ = mouth_space_of(takes, self.settings.learn_in)
+            mouths, start = recorded_mouths(takes, MARGIN, self.mouth_), None
+        else:
+            self.settings, space = prior.settings, joined_space(prior, takes)
+            mouths = recorded_mouths(takes, MARGIN, space)
+            self.mouth_, start = space, StartingPoint.of(prior, mouths, space)
+            self.edits_ = dict(prior.edits_)
         rows = np.concatenate([mouth.rows for mouth in mouths])
-        self.space_ = EMPCA(self.settings.components).fit(rows, self.mouth_.emphasis())
-        components = self.space_.encode(rows)
+        emphasis = self.mouth_.emphasis()
+        self.space_ = EMPCA(self.settings.components).fit(rows, emphasis) if start is None else start.space
+        components = self.space_.encode(rows) if start is None else self.space_.encode(rows) - start.edits
         curves = InfluenceCurves(self.settings.influence)
-        self.curves_ = curves.fit(
-            [curves.place(mouth.phones, mouth.times) for mouth in mouths], components, after_epoch
-        )
+        placed = [curves.place(mouth.phones, mouth.times) for mouth in mouths]
+        self.curves_ = curves.fit(placed, components, after_epoch, None if start is None else start.curves)
         self.correction_: Correction | None = None
         if self.settings.correction_share > 0:
             correction = Correction(self.settings.correction)
             seen = np.concatenate([correction.describe(m.phones, m.times).astype(np.float32) for m in mouths])
-            self.correction_ = correction.fit(seen, components, after_epoch)
+            self.correction_ = correction.fit(
+                seen, components, after_epoch, None if start is None else start.correction
+            )
         self.spread_ = self._spread_of(mouths) if self.settings.as_recorded else None
-        self.closure_ = LipClosure(self.mouth_).fit(mouths)
+        if start is not None and self.spread_ is not None:
+            self.spread_ = start.spread_with(self.spread_, len(rows))
+        self.closure_ = LipClosure(self.mouth_).fit(mouths, None if start is None else start.closure)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
+        if prior is not None:
+            self.coverage_ = self.coverage_.joined(prior.coverage_)
         return self
 
     def explicit(self, takes: Sequence[Take]) -> SpeechMotion:
@@ -216,6 +234,12 @@ class SpeechMotion:
         if self.edits_:
             answer = answer + self.curves_.components(parts, self._offsets(phones, len(parts.described))) - learned
         return answer
+
+    def unedited(self, phones: Tier, times: Floats) -> Floats:
+        """`components` without what edits of key shapes add."""
+        plain = copy(self)
+        plain.edits_ = {}
+        return plain.components(phones, times)
 
     def _offsets(self, phones: Tier, described: int) -> Floats:
         """Edits of each part that pulls, shape (parts, strands)."""
