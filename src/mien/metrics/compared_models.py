@@ -103,13 +103,17 @@ class _SpeechMotion(SpeechMotion):
         super().__init__()
         self._once = once
 
-    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+    def fit(
+        self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None, prior: SpeechMotion | None = None
+    ) -> Self:
         vars(self).update(vars(self._once.of(takes)))
         return self
 
 
 class _InfluenceCurves(_SpeechMotion):
-    def fit(self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None) -> Self:
+    def fit(
+        self, takes: Sequence[Take], after_epoch: Callable[[], None] = lambda: None, prior: SpeechMotion | None = None
+    ) -> Self:
         vars(self).update(vars(self._once.of(takes).explicit(takes)))
         return self
 
