@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 
 import pytest
 
 from mien.cli import list_commands
 from mien.cli.help_page import GROUPS
 from mien.cli.main import _parser, main
+from mien.core.assets import asset_table
 from mien.formats import exporters
 from mien.speech.voices import catalogue
 
@@ -27,6 +29,21 @@ def test_every_command_stands_on_the_page_once_and_grouped(capsys: pytest.Captur
     assert sorted(listed) == sorted(commands())
     assert {name for names in GROUPS.values() for name in names} <= commands()
     assert page.index("say ") < page.index("interpret ")
+
+
+def test_every_command_shows_examples_that_it_understands() -> None:
+    table = asset_table("help/examples.toml")
+    leaves = {name.split()[0] for name in table}
+    assert leaves >= {name for names in list(GROUPS.values())[:5] for name in names} - {"corpus", "face", "tracker"}
+    for name, lines in table.items():
+        assert len(lines) >= 2
+        for line in lines:
+            words = shlex.split(line)
+            if words[0] != "mien":
+                continue
+            assert words[1 : 1 + len(name.split())] == name.split()
+            if name != "help":
+                _parser().parse_args(words[1:])
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ SHELLS = ("bash", "zsh", "tcsh")
 def add_command(commands: Any, parser: argparse.ArgumentParser) -> None:
     """Add it to the parser of ``mien``, which is what it writes out."""
     completion = commands.add_parser(
-        "completion", help='completion for a shell: eval "$(mien completion bash)" in its start file'
+        "completion", help='shell completion: add eval "$(mien completion bash)" to the start file of your shell'
     )
     completion.add_argument("shell", choices=SHELLS)
     completion.set_defaults(run=lambda options: _print(parser, options.shell))

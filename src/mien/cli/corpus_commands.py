@@ -1,4 +1,4 @@
-"""``mien corpus import|upgrade|check|show`` and ``mien tracker install``: recordings to a corpus, and what is in it."""
+"""``mien corpus import|upgrade|check|show`` and ``mien tracker install``."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ __all__ = ["add_corpus_commands"]
 
 def add_corpus_commands(commands: Any) -> None:
     """Add the commands to the parser of ``mien``."""
-    corpus = commands.add_parser("corpus", help="recordings to learn from: import, check, look at")
+    corpus = commands.add_parser("corpus", help="recordings to learn from: import, check and view them")
     parts = corpus.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=type(corpus))
     _add_import(parts)
 
-    check = parts.add_parser("check", help="what is in a corpus, and what is wrong with it")
+    check = parts.add_parser("check", help="show what a corpus contains and what is wrong with it")
     check.add_argument("corpus", metavar="CORPUS")
     check.add_argument("--quiet", action="store_true", help="no progress bar")
     check.set_defaults(run=_check)
 
     upgrade = parts.add_parser(
         "upgrade",
-        help="bring a corpus up to this version",
-        description="Capture every take as motion of the speaker's own face, where that was not done or is done better "
-        "now. Markers, sound and phones stay as they are. Stopped, it goes on where it was when called again.",
+        help="update a corpus to this version",
+        description="Capture every take as motion of the speaker's own face, if that was not done or is done "
+        "better now. Markers, sound and phones do not change. If you stop it, the same command continues.",
     )
     upgrade.add_argument("corpus", metavar="CORPUS")
-    upgrade.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
-    upgrade.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to work on instead, tcp://HOST:PORT")
-    upgrade.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    upgrade.add_argument("--workers", type=int, metavar="N", help="number of processes (default: one per core)")
+    upgrade.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to use instead, tcp://HOST:PORT")
+    upgrade.add_argument("--quiet", action="store_true", help="print nothing but errors")
     upgrade.set_defaults(run=_upgrade)
 
-    show = parts.add_parser("show", help="draw one take: waveform, phones, a few trajectories")
+    show = parts.add_parser("show", help="draw one take: waveform, phones and some trajectories")
     show.add_argument("corpus", metavar="CORPUS")
     show.add_argument("name", metavar="NAME", help="name of the take")
     show.add_argument("-o", "--output", metavar="PICTURE.png", required=True)
@@ -40,32 +40,39 @@ def add_corpus_commands(commands: Any) -> None:
 
     tracker = commands.add_parser("tracker", help="the face tracker that turns video into landmarks")
     actions = tracker.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=type(tracker))
-    install = actions.add_parser("install", help="make its environment with pip (about 430 MB, once)")
+    install = actions.add_parser("install", help="create its environment with pip (about 430 MB, once)")
     install.set_defaults(run=_install_tracker)
 
 
 def _add_import(parts: Any) -> None:
     command = parts.add_parser(
         "import",
-        help="make takes of recordings",
-        description="Make takes of recordings: C3D, CSV or NPZ markers, Live Link Face CSV, video, GRID. "
-        "Stopped, it goes on where it was when called again.",
+        help="turn recordings into takes",
+        description="Turn recordings into takes: C3D, CSV or NPZ markers, Live Link Face CSV, BEAT, meshes, "
+        "video, GRID. "
+        "If you stop it, the same command continues.",
     )
     command.add_argument("source", metavar="SOURCE", help="a folder of recordings, or one recording")
     command.add_argument("-o", "--output", metavar="CORPUS", required=True, help="folder of the corpus")
-    command.add_argument("--recipe", metavar="NAME|FILE", help="how to read them (default: found out from SOURCE)")
-    command.add_argument("--table", metavar="FILE", help="CSV or TSV: name, any of text, emotion, sentence, speaker")
+    command.add_argument("--recipe", metavar="NAME|FILE", help="how to read them (default: recognised from SOURCE)")
     command.add_argument(
-        "--name-pattern", metavar="REGEX", help="named groups out of emotion, sentence, speaker, text in the file names"
+        "--table", metavar="FILE", help="CSV or TSV with the column name and any of text, emotion, sentence, speaker"
     )
-    command.add_argument("--emotion", help="of takes of which nothing else says it")
-    command.add_argument("--speaker", help="of takes of which nothing else says it")
     command.add_argument(
-        "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: en)"
+        "--name-pattern",
+        metavar="REGEX",
+        help="regular expression with named groups (emotion, sentence, speaker, text) for the file names",
     )
-    command.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
-    command.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to work on instead, tcp://HOST:PORT")
-    command.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    command.add_argument("--emotion", help="for takes where nothing else says it")
+    command.add_argument("--speaker", help="for takes where nothing else says it")
+    command.add_argument(
+        "--language",
+        metavar="TAG|X.toml",
+        help="what language is spoken: a tag from 'mien languages', or a table of your own (default: en)",
+    )
+    command.add_argument("--workers", type=int, metavar="N", help="number of processes (default: one per core)")
+    command.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler to use instead, tcp://HOST:PORT")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(run=_import)
 
 

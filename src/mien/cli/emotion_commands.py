@@ -22,7 +22,7 @@ def add_emotion_commands(commands: Any) -> None:
     from mien.cli import emotion_map_command as emotion_map
 
     emotion_map.add_command(commands)
-    emotion = commands.add_parser("emotion", help="tell which emotion is in a voice")
+    emotion = commands.add_parser("emotion", help="recognise the emotion in a voice")
     emotion.add_argument("files", metavar="FILE", nargs="+", help="sound files, or videos with a sound track")
     emotion.add_argument("--classifier", metavar="X.npz", help="a classifier made by 'mien emotion-train'")
     emotion.add_argument(
@@ -31,10 +31,12 @@ def add_emotion_commands(commands: Any) -> None:
     emotion.add_argument(
         "--together",
         action="store_true",
-        help="judge each file beside the others, as one speaker's in several moods: so several files are judged anyway",
+        help="judge the files together, as one speaker in several moods (the default for several files)",
     )
-    emotion.add_argument("--apart", action="store_true", help="judge each file alone")
-    emotion.add_argument("--over-time", action="store_true", help="stretch by stretch, for longer recordings")
+    emotion.add_argument("--apart", action="store_true", help="judge each file by itself")
+    emotion.add_argument(
+        "--over-time", action="store_true", help="report every change of emotion in a longer recording"
+    )
     emotion.add_argument("--json", action="store_true", help="write JSON, one object per file")
     emotion.set_defaults(run=_emotion)
 
@@ -45,12 +47,14 @@ def add_emotion_commands(commands: Any) -> None:
     train.add_argument("--kernel", choices=("radial", "linear"), default="radial")
     train.add_argument("--cost", type=float, default=0.5, help="C of libsvm (default 0.5)")
     train.add_argument(
-        "--variations", type=int, help="of each recording, by other rooms and microphones (default 4; cepstral: 0)"
+        "--variations",
+        type=int,
+        help="variations of each recording with other rooms and microphones (default 4; cepstral: 0)",
     )
-    train.add_argument("--cluster", metavar="tcp://HOST:PORT", help="measure on a Dask cluster, with the same result")
+    train.add_argument("--cluster", metavar="tcp://HOST:PORT", help="measure on a Dask cluster; the result is the same")
     train.set_defaults(run=_train)
 
-    table = commands.add_parser("emotion-table", help="how well voices are told: the table of Cao et al. 2005 and more")
+    table = commands.add_parser("emotion-table", help="how well emotions are recognised in voices (Cao et al. 2005)")
     _add_corpora(table)
     table.add_argument("--report", metavar="X.md", help="write the tables into this file")
     table.set_defaults(run=_table)
@@ -61,11 +65,11 @@ def _add_corpora(parser: argparse.ArgumentParser) -> None:
         "corpora",
         metavar="CORPUS",
         nargs="+",
-        help="a .csv with the columns file, emotion, speaker; or a folder named as docs/emotion.md says",
+        help="a .csv with the columns file, emotion and speaker, or a folder as described in docs/emotion.md",
     )
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--workers", type=int, help="processes (default: one per core)")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--workers", type=int, help="number of processes (default: one per core)")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _emotion(options: argparse.Namespace) -> int:

@@ -11,8 +11,8 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any) -> None:
     """Add ``mien emotion-map`` to the commands."""
-    told = commands.add_parser("emotion-map", help="how motion changes from one emotion to another in a corpus")
-    told.add_argument("corpus", metavar="CORPUS", help="with the same sentences in both emotions")
+    told = commands.add_parser("emotion-map", help="analyse how motion changes between two emotions of a corpus")
+    told.add_argument("corpus", metavar="CORPUS", help="a corpus with the same sentences in both emotions")
     told.add_argument("--from", dest="source", default="neutral", metavar="EMOTION", help="default: neutral")
     told.add_argument("--to", required=True, metavar="EMOTION")
     told.add_argument("--seed", type=int, default=0)

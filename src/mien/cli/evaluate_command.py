@@ -19,10 +19,10 @@ def add_command(commands: Any) -> None:
     """Add ``mien evaluate`` to the commands."""
     parser = commands.add_parser(
         "evaluate",
-        help="score models against recorded motion",
-        description="CORPUS: every model is learned afresh for each fold and scored on what was held out. "
-        "PERFORMER HELDOUT: a finished performer (default, X.mien) is scored on takes that it was not learned from. "
-        "What is scored is the mouth that the default face shows. See docs/metrics.md.",
+        help="score models or a performer against recorded motion",
+        description="CORPUS: train every model anew for each fold and score it on the held-out takes. PERFORMER "
+        "HELDOUT: score a finished performer (default, X.mien) on takes it was not trained on. The mouth as "
+        "shown by the default face is scored. See docs/metrics.md.",
     )
     parser.add_argument("subject", metavar="CORPUS|PERFORMER", help="folder of a corpus, or a finished performer")
     parser.add_argument("heldout", metavar="HELDOUT", nargs="?", help="corpus to score the performer on")
@@ -30,18 +30,18 @@ def add_command(commands: Any) -> None:
     parser.add_argument(
         "--words",
         metavar="FILE|hardest",
-        help="words to leave out and to score (leave-words-out); hardest: those that the other words say least about",
+        help="words to leave out and to score (leave-words-out); hardest: those that are least like the others",
     )
     parser.add_argument(
-        "--test-names", metavar="FILE", help="takes to score: held out of CORPUS (random), or of HELDOUT"
+        "--test-names", metavar="FILE", help="takes to score: held out from CORPUS (random), or taken from HELDOUT"
     )
-    parser.add_argument("--folds", type=int, help="how many of the 8 parts are tested in turn (default 1)")
+    parser.add_argument("--folds", type=int, help="how many of the 8 parts to test in turn (default 1)")
     parser.add_argument("--models", metavar="A,B", help="only these rows (default: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the split and the bootstrap (default 0)")
-    parser.add_argument("--workers", type=int, default=0, help="processes that learn (default 0: this one)")
-    parser.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster, with the same result")
+    parser.add_argument("--workers", type=int, default=0, help="number of processes (default 0: only this one)")
+    parser.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster; the result is the same")
     parser.add_argument("--report", metavar="FILE.md", help="also write it into a section of this file, with a picture")
-    parser.add_argument("--quiet", action="store_true", help="no progress; warnings and errors only")
+    parser.add_argument("--quiet", action="store_true", help="print only warnings and errors")
     parser.set_defaults(run=_evaluate)
 
 

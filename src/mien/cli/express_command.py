@@ -18,7 +18,7 @@ Finish = Callable[[Any, Any, argparse.Namespace], int]
 def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     """Add ``mien express`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
     express = commands.add_parser(
-        "express", help="lay an expression over an animation or a Live Link recording, or write it in another format"
+        "express", help="add an expression to an animation or a Live Link recording, or convert it to another format"
     )
     express.add_argument("motion", metavar="MOTION", help="a native animation (.json) or a Live Link Face .csv")
     express.add_argument(
@@ -26,18 +26,18 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
         metavar="NAME[:0..1]",
         action="append",
         default=[],
-        help="as for 'mien say' (repeatable), or a .csv of MPEG-4 expression parameters; without one the motion is "
-        "written as it is, in another format or on another face",
+        help="as for 'mien say' (repeatable), or a .csv of MPEG-4 expression parameters; without it, the motion "
+        "is only converted to another format or face",
     )
     express.add_argument("-o", "--output", metavar="OUT", required=True, help="file to write; its suffix says what")
     express.add_argument("--also", metavar="OUT2", action="append", default=[], help="one more output (repeatable)")
-    express.add_argument("--fps", help="frames per second (default: as they are; a .csv's are read from its timecode)")
+    express.add_argument("--fps", help="frames per second (default: unchanged; for a .csv, read from its timecode)")
     express.add_argument("--seed", type=int, default=0, help="seed of the expression (default 0)")
     add_face_option(express)
     add_glb_options(express)
     add_view_options(express)
     express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
-    express.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    express.add_argument("--quiet", action="store_true", help="print nothing but errors")
     express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")
 
 

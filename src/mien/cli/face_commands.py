@@ -28,7 +28,7 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any, checked_face: face_retarget.CheckFace, finish: face_retarget.Finish) -> None:
     """Add ``mien face`` with its own commands; ``checked_face`` and ``finish`` as for ``mien express``."""
-    face = commands.add_parser("face", help="what moves a face: parameter trees, parameters from poses and recordings")
+    face = commands.add_parser("face", help="make, fit, inspect and retarget faces")
     kinds = face.add_subparsers(title="face commands", required=True, metavar="FACE_COMMAND")
     face_rig.add_commands(kinds)
     face_inspect.add_command(kinds)

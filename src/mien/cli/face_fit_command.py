@@ -22,26 +22,27 @@ def add_command(kinds: Any) -> None:
     parser.add_argument(
         "--landmarks",
         metavar="POINTS",
-        help=".csv, .json or .toml: names with places or vertices, or iBUG's 68 points (.pts); hints (default: found)",
+        help=".csv, .json or .toml: names with places or vertices, or iBUG's 68 points (.pts); as hints "
+        "(default: found automatically)",
     )
     parser.add_argument(
         "-o",
         "--output",
         metavar="FACE",
-        help="FACE.npz, for --face FACE.npz; or .glb: of a .glb, .gltf or .vrm the same file with the shapes added to "
-        "its meshes and everything else kept",
+        help="FACE.npz, for --face FACE.npz; or .glb: for a .glb, .gltf or .vrm this is the same file with the "
+        "shapes added to its meshes",
     )
     parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
-    parser.add_argument("--texture", metavar="PICTURE", help="the picture that the mesh's texture places are for")
+    parser.add_argument("--texture", metavar="PICTURE", help="the texture picture of the mesh")
     parser.add_argument("--unit", help="of the mesh: mm, cm, dm, m or inch (default: found from the head's size)")
     parser.add_argument(
         "--add",
         metavar="PARTS",
         default="eyes,teeth,tongue,mouth",
-        help="what the default face lends where the head has none: eyes teeth tongue mouth lashes brows hair shirt, "
+        help="what the default face adds if the head has none: eyes teeth tongue mouth lashes brows hair shirt, "
         "separated by commas, or 'none' (default: eyes,teeth,tongue,mouth)",
     )
-    parser.add_argument("--list-landmarks", action="store_true", help="print the names of all landmarks, and end")
+    parser.add_argument("--list-landmarks", action="store_true", help="print the names of all landmarks")
     parser.set_defaults(run=_fit)
 
 

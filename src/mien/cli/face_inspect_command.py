@@ -11,13 +11,11 @@ __all__ = ["add_command"]
 
 def add_command(kinds: Any) -> None:
     """Add ``mien face inspect`` to the face commands."""
-    parser = kinds.add_parser(
-        "inspect", help="what of a GLB's, VRM's or glTF's targets can be driven, and what is missing"
-    )
+    parser = kinds.add_parser("inspect", help="show what can be driven in a GLB, VRM or glTF face, and what is missing")
     parser.add_argument("glb", metavar="MY.glb", help="the face: .glb, .vrm or .gltf")
-    parser.add_argument("--names", metavar="X.toml", help="a table of names of your own (docs/faces.md)")
+    parser.add_argument("--names", metavar="X.toml", help="your own table of names (docs/faces.md)")
     parser.add_argument("--write-names", metavar="X.toml", help="write a table of names to correct, for --names")
-    parser.add_argument("--json", action="store_true", help="write the answer as JSON")
+    parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(run=_inspect)
 
 

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 __all__ = ["add_command", "write_sheet"]
 
 _NUMBERS = {
-    "tone": "of the skin, 0 fair .. 1 dark",
-    "grey": "how much of the hair has turned, 0..1",
+    "tone": "tone of the skin, from 0 (fair) to 1 (dark)",
+    "grey": "share of grey hair, 0..1",
     "freckles": "0..1",
     "brows": "how thick, 0..1.3",
     "weight": "-1 thin .. 1 heavy",
     "muscle": "-1 weak .. 1 strong",
-    "variety": "how far the drawn features go, 0..2 (default 1)",
+    "variety": "how unusual the features may be, 0..2 (default 1)",
 }
 _NAMES = {
     "hair": "cut of hair",
@@ -34,8 +34,8 @@ def add_command(kinds: Any) -> None:
     """Add ``mien face make`` to the face commands."""
     parser = kinds.add_parser(
         "make",
-        help="a face from age, sex, origin and a seed, or between two of the cast",
-        description="A face from what is known of somebody; the rest is drawn from the seed.",
+        help="make a face from age, sex, origin and a seed, or blend two of the cast",
+        description="Make a face from what you specify; the rest is drawn from the seed.",
     )
     parser.add_argument(
         "-o", "--output", required=True, metavar="X.npz|X.glb|X.png", help="the face, or a picture of it"
@@ -44,7 +44,7 @@ def add_command(kinds: Any) -> None:
     parser.add_argument("--sex", metavar="f|m")
     parser.add_argument("--age", metavar="YEARS", help="14 to 95")
     parser.add_argument("--origin", metavar="NAME", help="such as african, asian, european ('?' lists all)")
-    parser.add_argument("--seed", default="0", metavar="N", help="draws what is not given (default 0)")
+    parser.add_argument("--seed", default="0", metavar="N", help="decides everything you leave out (default 0)")
     for name, what in _NAMES.items():
         parser.add_argument(f"--{name}", metavar="NAME", help=f"{what} ('?' lists all)".strip())
     for name, what in _NUMBERS.items():
@@ -52,7 +52,7 @@ def add_command(kinds: Any) -> None:
     parser.add_argument(
         "--feature", action="append", default=[], metavar="NAME=0..1", help="such as nose-width1-incr=0.6 (repeatable)"
     )
-    parser.add_argument("--blend", metavar="NAME+NAME[:0..1]", help="between two of the cast; nothing else is drawn")
+    parser.add_argument("--blend", metavar="NAME+NAME[:0..1]", help="blend two of the cast; nothing else is varied")
     parser.set_defaults(run=_make)
 
 

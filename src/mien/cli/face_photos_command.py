@@ -15,8 +15,8 @@ __all__ = ["add_command"]
 
 def add_command(kinds: Any) -> None:
     """Add ``mien face from-photos`` to the face commands."""
-    parser = kinds.add_parser("from-photos", help="a face after photographs: the front, a side, or more")
-    parser.add_argument("photos", metavar="PHOTO", nargs="+", help="the front first, then a side or 45 degrees")
+    parser = kinds.add_parser("from-photos", help="make a face from photographs: front, side, or more")
+    parser.add_argument("photos", metavar="PHOTO", nargs="+", help="the front first, then the side or 45 degrees")
     parser.add_argument("-o", "--output", metavar="FACE.npz", required=True, help="the face to write")
     parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
     parser.add_argument(
@@ -26,16 +26,21 @@ def add_command(kinds: Any) -> None:
         help="one file for each photograph, in their order ('-': the tracker), .csv, .json or .toml: names with "
         "pixels from the upper left corner (default: a file named like the photograph beside it, else the tracker)",
     )
-    parser.add_argument("--eye-distance", type=float, metavar="MM", help="between the eyes (default: the mean head's)")
     parser.add_argument(
-        "--hair", choices=("keep", "none"), default="keep", help="the default's hair, in the hair's colour"
+        "--eye-distance", type=float, metavar="MM", help="distance between the eyes (default: that of the average head)"
+    )
+    parser.add_argument(
+        "--hair",
+        choices=("keep", "none"),
+        default="keep",
+        help="use the default hair in the colour of the photograph, or none",
     )
     parser.add_argument(
         "--even-light",
         type=float,
         default=0.9,
         metavar="0..1",
-        help="share of the light to divide out (default 0.9)",
+        help="how much of the lighting to remove (default 0.9)",
     )
     parser.add_argument("--texture-size", type=int, default=1536, metavar="N", help="256 to 4096 (default 1536)")
     parser.set_defaults(run=_from_photos)

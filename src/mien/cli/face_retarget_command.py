@@ -21,7 +21,9 @@ Finish = Callable[[Any, Any, argparse.Namespace], int]
 
 def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
     """Add ``mien face retarget``; ``checked_face`` checks the outputs first, ``finish`` writes them."""
-    parser = kinds.add_parser("retarget", help="recorded markers on any face, and what that face cannot show of them")
+    parser = kinds.add_parser(
+        "retarget", help="put recorded markers onto any face, and report what that face cannot show"
+    )
     parser.add_argument(
         "motion", metavar="CORPUS|LINE.json", help="a corpus, or an animation: its markers or landmarks"
     )
@@ -36,12 +38,12 @@ def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
         "--method",
         choices=("least-squares", "rbf"),
         default="least-squares",
-        help="bounded least squares on the face's marker places, or radial basis functions learned from pairs",
+        help="bounded least squares on marker positions, or radial basis functions learned from pairs",
     )
-    parser.add_argument("--pairs", metavar="X.npz", help="examples of your own for rbf (docs/faces.md)")
-    parser.add_argument("--rest", type=int, metavar="FRAME", help="the frame at rest (default: the most neutral one)")
+    parser.add_argument("--pairs", metavar="X.npz", help="your own examples for rbf (docs/faces.md)")
+    parser.add_argument("--rest", type=int, metavar="FRAME", help="frame at rest (default: the most neutral one)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the drawn examples (default 0)")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=lambda options: _retarget(options, checked_face, finish), deformer="blendshapes")
 
 

@@ -13,19 +13,23 @@ __all__ = ["add_commands"]
 
 def add_commands(kinds: Any) -> None:
     """Add the commands about parameter trees."""
-    check = kinds.add_parser("check", help="whether a parameter tree fits a mesh; faults are told with their lines")
+    check = kinds.add_parser(
+        "check", help="check whether a parameter tree fits a mesh; errors are printed with their lines"
+    )
     check.add_argument("config", metavar="X.tree", help="the configuration")
-    check.add_argument("--mesh", metavar="X.obj", help="an OBJ file that it is for")
-    check.add_argument("--face", metavar="NAME", help="a face that it is for")
+    check.add_argument("--mesh", metavar="X.obj", help="the OBJ file it is for")
+    check.add_argument("--face", metavar="NAME", help="the face it is for")
     check.set_defaults(run=_check)
 
-    tree = kinds.add_parser("tree", help="write the parameter tree that a face's morph targets make")
+    tree = kinds.add_parser("tree", help="write the parameter tree that corresponds to a face's morph targets")
     tree.add_argument("face", metavar="NAME", help="the face, such as default")
     tree.add_argument("-o", "--output", metavar="X.tree", required=True, help="the file to write")
     tree.set_defaults(run=_tree)
 
     parameters = kinds.add_parser("parameters", help="derive parameters by principal components from example poses")
-    parameters.add_argument("poses", metavar="POSE.obj", nargs="+", help="meshes with the same vertices, in poses")
+    parameters.add_argument(
+        "poses", metavar="POSE.obj", nargs="+", help="meshes with the same vertices in different poses"
+    )
     parameters.add_argument("-o", "--output", metavar="X.tree", required=True, help="the file to write")
     parameters.add_argument("--rest", metavar="REST.obj", help="the mesh at rest (default: the first pose)")
     parameters.add_argument("--count", type=int, metavar="N", help="how many parameters (default: see --variance)")
@@ -51,7 +55,8 @@ def add_commands(kinds: Any) -> None:
     articulation.add_argument(
         "--parameters-only",
         action="store_true",
-        help="let channels move the five parameters alone: no leaves for what these cannot say, such as a smile",
+        help="let channels move only the five parameters, without leaves for what those cannot express, such as "
+        "a smile",
     )
     articulation.add_argument("--pictures", metavar="X.png", help="draw each parameter at -2 and +2 into this file")
     articulation.set_defaults(run=_articulation)

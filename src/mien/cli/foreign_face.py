@@ -28,21 +28,20 @@ def add_face_option(parser: argparse.ArgumentParser) -> None:
         "--face",
         default="default",
         metavar="NAME|FILE",
-        help="the face to show: one of mien faces, a blend (amara+mei:0.3), .npz, .obj, or your own .glb, .vrm, .gltf",
+        help="the face to show: a name from 'mien faces', a blend (amara+mei:0.3), an .npz or .obj, or your own "
+        ".glb, .vrm or .gltf",
     )
     parser.add_argument(
-        "--arms", choices=("lower", "keep"), default="lower", help="of an avatar in T-pose (default: lowered)"
+        "--arms", choices=("lower", "keep"), default="lower", help="for an avatar in T-pose (default: lower)"
     )
-    parser.add_argument(
-        "--names", metavar="X.toml", help="what the targets of such a face are, where mien does not know"
-    )
+    parser.add_argument("--names", metavar="X.toml", help="what the targets of your own face do, if mien does not know")
 
 
 def add_glb_options(parser: argparse.ArgumentParser) -> None:
     """Add how a ``.glb`` is written."""
     style = parser.add_argument_group("of a .glb")
     style.add_argument(
-        "--compact", action="store_true", help="ARKit's 52 targets alone, in whole numbers: under half the size"
+        "--compact", action="store_true", help="only ARKit's 52 targets, as integers: less than half the size"
     )
     style.add_argument(
         "--meshopt", action="store_true", help="compact and compressed (EXT_meshopt_compression; not for Blender)"

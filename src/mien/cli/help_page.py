@@ -7,7 +7,9 @@ import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 
-__all__ = ["GROUPS", "help_page", "options_of", "with_suggestion"]
+from mien.core.assets import asset_table
+
+__all__ = ["GROUPS", "HelpFormatter", "examples_of", "help_page", "options_of", "with_suggestion"]
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "perform": ("say", "animate", "align", "express", "recolor", "emotion", "studio", "batch"),
@@ -41,11 +43,24 @@ def help_page(about: str, commands: Mapping[str, str]) -> str:
     grouped = {name for names in groups.values() for name in names}
     groups["more"] = [name for name in left if name not in grouped]
     width = max(map(len, commands))
-    lines = [about, "", "usage: mien COMMAND ...    ('mien COMMAND --help' says more of one)"]
+    lines = [about, "", "usage: mien COMMAND ...    ('mien COMMAND --help' shows its options)"]
     for title, names in groups.items():
         if names:
             lines += ["", f"{title}:"] + [f"  {name:{width}}  {left[name]}".rstrip() for name in names]
     return "\n".join([*lines, "", "examples:", *(f"  {example}" for example in _EXAMPLES), ""])
+
+
+class HelpFormatter(argparse.HelpFormatter):
+    """Wraps everything but examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if text.startswith("examples:") else super()._fill_text(text, width, indent)
+
+
+def examples_of(prog: str) -> str | None:
+    """What stands under the help of a command such as ``"mien say"``; None where it has no examples."""
+    lines = asset_table("help/examples.toml").get(prog.removeprefix("mien").strip(), ())
+    return "\n  ".join(["examples:", *lines]) if lines else None
 
 
 def with_suggestion(message: str, commands: Iterable[str], options: Iterable[str]) -> str:

@@ -14,17 +14,19 @@ def add_command(commands: Any) -> None:
     """Add ``mien inspect`` to the commands."""
     inspect = commands.add_parser("inspect", help="show what a performer has learned")
     inspect.add_argument("performer", metavar="NAME|X.mien", help="default, or a file made by 'mien learn'")
-    inspect.add_argument("-o", "--output", metavar="FOLDER", help="draw pictures into this folder, and keep the text")
+    inspect.add_argument("-o", "--output", metavar="FOLDER", help="write pictures and the text into this folder")
     inspect.add_argument(
         "--phones",
         metavar="PHONES",
         action="append",
         default=[],
-        help="diphone or triphone to draw, such as 'P AA' or 'P AA T' (repeatable; default: those heard most)",
+        help="diphone or triphone to draw, such as 'P AA' or 'P AA T' (repeatable; default: the most frequent)",
     )
-    inspect.add_argument("--word", metavar="TEXT", help="what to draw influence curves of (default: maybe)")
+    inspect.add_argument("--word", metavar="TEXT", help="word to draw influence curves for (default: maybe)")
     inspect.add_argument(
-        "--text", metavar="FILE_OR_FOLDER", help="English whose phone pairs are looked up (default: our own sentences)"
+        "--text",
+        metavar="FILE_OR_FOLDER",
+        help="English text whose phone pairs to look up (default: built-in sentences)",
     )
     inspect.set_defaults(run=_inspect)
 

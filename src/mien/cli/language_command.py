@@ -10,11 +10,11 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any) -> None:
     """Add it to the parser of ``mien``."""
-    language = commands.add_parser("language", help="check a language's table with eSpeak NG's voice")
+    language = commands.add_parser("language", help="check the table of a language with eSpeak NG's voice")
     actions = language.add_subparsers(required=True, metavar="ACTION")
-    check = actions.add_parser("check", help="speak sentences, align them, print phones and boundary errors")
-    check.add_argument("language", metavar="TAG|X.toml", help="a language of 'mien languages', or a table of your own")
-    check.add_argument("sentences", metavar="TEXT", nargs="*", help="what is spoken (default: sample of the table)")
+    check = actions.add_parser("check", help="speak sentences, align them, and print phones and boundary errors")
+    check.add_argument("language", metavar="TAG|X.toml", help="a tag from 'mien languages', or your own table")
+    check.add_argument("sentences", metavar="TEXT", nargs="*", help="what to speak (default: the samples in the table)")
     check.set_defaults(run=_check)
 
 

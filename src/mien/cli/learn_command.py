@@ -20,31 +20,33 @@ def add_command(commands: Any) -> None:
         "--speech-model",
         choices=("coarticulation", "graph", "both"),
         default="both",
-        help="learned curves, recorded motion, or curves corrected by what was recorded (default both)",
+        help="learned curves, recorded motion, or both: curves corrected by recorded motion (default both)",
     )
     learn.add_argument(
         "--learn-in",
         choices=("channels", "markers"),
-        help="the mouth in captured channels, or in markers as the papers have it (default: channels where there are)",
+        help="learn the mouth in captured channels, or in markers as in the papers (default: channels if there "
+        "are any)",
     )
     learn.add_argument(
         "--from",
         dest="start",
         metavar="PERFORMER|nothing",
         default="default",
-        help="the performer whose mouth is started from, so that a few takes are enough (default: default)",
+        help="the performer to start from, so that a few takes are enough (default: default)",
     )
-    learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes in which one of these words is said")
-    learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes of these names")
+    learn.add_argument("--exclude-words", metavar="FILE", help="leave out takes that contain one of these words")
+    learn.add_argument("--exclude-names", metavar="FILE", help="leave out takes with these names")
     learn.add_argument(
         "--speakers",
         metavar="mixed|NAME",
         default="one",
-        help="learn one mouth from several people (mixed), or from the one of this name (default: there must be one)",
+        help="learn one mouth from several people (mixed), or from the speaker with this name (default: there "
+        "has to be only one)",
     )
-    learn.add_argument("--workers", type=int, default=0, help="processes that learn (default 0: this one)")
-    learn.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster, with the same result")
-    learn.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    learn.add_argument("--workers", type=int, default=0, help="number of processes (default 0: only this one)")
+    learn.add_argument("--cluster", metavar="tcp://HOST:PORT", help="learn on a Dask cluster; the result is the same")
+    learn.add_argument("--quiet", action="store_true", help="print nothing but errors")
     learn.set_defaults(run=_learn)
 
 

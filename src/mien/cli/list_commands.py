@@ -114,10 +114,10 @@ def _performers() -> Iterable[Row]:
 
 
 LISTS: dict[str, tuple[str, Callable[[], Iterable[Row]]]] = {
-    "voices": ("list the voices that speak a text", _voices),
-    "emotions": ("list the emotions a face can show", _emotions),
+    "voices": ("list the voices", _voices),
+    "emotions": ("list the emotions", _emotions),
     "faces": ("list the faces that come with mien", _faces),
     "languages": ("list the languages", _languages),
     "formats": ("list the formats that are written", _formats),
-    "performers": ("list who can perform a line", _performers),
+    "performers": ("list the performers", _performers),
 }

@@ -25,7 +25,7 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any) -> None:
     """Add ``mien live`` to the commands."""
-    live = commands.add_parser("live", help="perform a microphone or a stream of sound while it comes in")
+    live = commands.add_parser("live", help="perform a microphone or a stream of sound live")
     live.add_argument(
         "sound",
         metavar="SOUND",
@@ -33,14 +33,15 @@ def add_command(commands: Any) -> None:
         help="'-' for standard input (WAV or raw samples), a named pipe, or a file; without it the microphone",
     )
     live.add_argument("--device", help="microphone: part of its name, or its number")
-    live.add_argument("--list-devices", action="store_true", help="name the microphones and end")
+    live.add_argument("--list-devices", action="store_true", help="list the microphones")
     live.add_argument("--look-ahead", type=float, default=150.0, metavar="MS", help="50 to 300 (default 150)")
-    live.add_argument("--follow", action="store_true", help="the file still grows: wait for more at its end")
+    live.add_argument("--follow", action="store_true", help="the file is still growing: wait at its end")
     live.add_argument(
         "--pace",
         choices=("auto", "live", "stored"),
         default="auto",
-        help="live: catch up with what is late; stored: show all at its own pace (default: told by how it comes)",
+        help="live: catch up with late sound; stored: show everything at its own pace (default: depends on how "
+        "the sound arrives)",
     )
     live.add_argument("--sample-rate", type=int, default=16_000, help="of raw samples (default 16000)")
     live.add_argument("--channels", type=int, default=1, help="of raw samples (default 1)")
@@ -50,13 +51,11 @@ def add_command(commands: Any) -> None:
     live.add_argument("--fps", default="30", help="frames per second (default 30)")
     live.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     live.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
-    live.add_argument(
-        "--emotion", metavar="NAME[:0..1]", action="append", help="one that holds throughout, such as happy:0.6"
-    )
-    live.add_argument("--wait", action="store_true", help="begin when the first WebSocket client comes")
+    live.add_argument("--emotion", metavar="NAME[:0..1]", action="append", help="a constant emotion, such as happy:0.6")
+    live.add_argument("--wait", action="store_true", help="start when the first WebSocket client connects")
     add_view_options(live)
     add_outlet_options(live)
-    live.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    live.add_argument("--quiet", action="store_true", help="print nothing but errors")
     live.set_defaults(run=_live)
 
 

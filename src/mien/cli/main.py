@@ -36,7 +36,7 @@ from mien.cli import (
 from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, add_glb_options, checked_foreign_face, glb_style
-from mien.cli.help_page import help_page, options_of, with_suggestion
+from mien.cli.help_page import HelpFormatter, examples_of, help_page, options_of, with_suggestion
 from mien.cli.progress_bar import progress_bar, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
@@ -71,8 +71,9 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {message}; see {meant.prog} --help\n")
 
     def format_help(self) -> str:
-        """The commands by what they are for; other parsers as ever."""
+        """The commands by what they are for; the help of one command ends with examples."""
         if self.prog != "mien":
+            self.epilog, self.formatter_class = examples_of(self.prog), HelpFormatter
             return super().format_help()
         shown = {choice.dest: choice.help or "" for choice in self._subparsers_of()._choices_actions}
         return help_page(self.description or "", shown)
@@ -174,9 +175,9 @@ def _parser() -> argparse.ArgumentParser:
     language_command.add_command(commands)
     warm_up_command.add_command(commands)
     completion_command.add_command(commands, parser)
-    doctor = commands.add_parser("doctor", help="what is installed, what is missing, what that costs")
+    doctor = commands.add_parser("doctor", help="what is installed, what is missing, and why it matters")
     doctor.set_defaults(run=_doctor)
-    helping = commands.add_parser("help", help="this page, or that of a command")
+    helping = commands.add_parser("help", help="show this page, or the help of a command")
     helping.add_argument("command", metavar="COMMAND", nargs="?")
     helping.set_defaults(
         run=lambda options: parser.parse_args([options.command, "--help"] if options.command else ["--help"])
@@ -193,10 +194,10 @@ def _add_say(commands: Any) -> None:
         "--voice-emotion",
         metavar="off|0..1",
         default="1",
-        help="how much the voice goes with the emotion (default 1; docs/emotion.md)",
+        help="how strongly the voice takes on the emotion (default 1; docs/emotion.md)",
     )
-    say.add_argument("--rate", metavar="0.2..5|PER%", help="how fast it is spoken: 1 or 100%% as usual")
-    say.add_argument("--pitch", metavar="SEMITONES", help="how much higher (or, below 0, lower) it is spoken")
+    say.add_argument("--rate", metavar="0.2..5|PER%", help="how fast to speak; 1 or 100%% is normal")
+    say.add_argument("--pitch", metavar="SEMITONES", help="how much higher to speak, or lower if negative")
     _add_performance_options(say)
     say.set_defaults(run=_say)
 
@@ -210,15 +211,17 @@ def _add_animate(commands: Any) -> None:
         help="what is said; a .TextGrid gives words and phones with their times; without it phones are recognised",
     )
     _add_tiers_option(animate)
-    animate.add_argument("--script", metavar="FILE", help="what is said, with direction: .txt .xml .ssml .bml")
-    animate.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics (docs/song.md)")
+    animate.add_argument("--script", metavar="FILE", help="what is said, with directions: .txt .xml .ssml .bml")
+    animate.add_argument(
+        "--song", action="store_true", help="treat it as a song whose lyrics are the text (docs/song.md)"
+    )
     animate.add_argument("--voice", help=argparse.SUPPRESS)
     _add_performance_options(animate)
     animate.set_defaults(run=_animate)
 
 
 def _add_align(commands: Any) -> None:
-    align = commands.add_parser("align", help="find when each word and phone is said")
+    align = commands.add_parser("align", help="find when each word and phone is spoken")
     align.add_argument("audio", metavar="AUDIO", help="a sound file, or a video with a sound track")
     align.add_argument("--text", metavar="FILE_OR_TEXT", required=True, help="what is said")
     align.add_argument(
@@ -229,9 +232,9 @@ def _add_align(commands: Any) -> None:
         help="the file to write; its suffix picks the format: .TextGrid .json .csv .srt .vtt .lab .ctm",
     )
     _add_tiers_option(align)
-    align.add_argument("--song", action="store_true", help="it is a song, and the text its lyrics")
+    align.add_argument("--song", action="store_true", help="treat it as a song whose lyrics are the text")
     _add_language_option(align)
-    align.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    align.add_argument("--quiet", action="store_true", help="print nothing but errors")
     align.set_defaults(run=_align)
 
 
@@ -252,7 +255,7 @@ def _add_performance_options(parser: argparse.ArgumentParser) -> None:
     add_view_options(parser)
     _add_performer_options(parser)
     _add_language_option(parser)
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _add_performer_options(parser: argparse.ArgumentParser) -> None:
@@ -271,37 +274,39 @@ def _add_performer_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--speech-model",
         choices=("coarticulation", "graph", "both"),
-        help="what moves the mouth, as far as the performer has it: learned curves, recorded motion, or both",
+        help="what moves the mouth, if the performer has it: learned curves, recorded motion, or both",
     )
     parser.add_argument(
         "--emotion",
         metavar="NAME[:0..1]",
         action="append",
         help="happy, sad, angry, surprised, afraid, disgusted, contempt, frustrated: sad:0.4 or sad:0.2@0,0.9@1.5 "
-        "(value at second), sad:curve.csv, 'sad[0.5-1.2]:0.8' (from second to second); repeatable, docs/expression.md; "
+        "(value at second), sad:curve.csv, 'sad[0.5-1.2]:0.8' (from second to second); repeatable, "
+        "docs/expression.md; "
         "for mien animate also auto: what the voice sounds like, docs/emotion.md",
     )
     parser.add_argument(
         "--effort",
         metavar="0..2|auto|off",
-        help="how hard the words are articulated, 1 as recorded: 1.4, 0.5@0,1.6@2 (value at second) or curve.csv; mien "
+        help="how strongly words are articulated, 1 being as recorded: 1.4, 0.5@0,1.6@2 (value at second) or "
+        "curve.csv; mien "
         "animate reads it from the voice (auto) unless it is given or off; docs/effort.md",
     )
     parser.add_argument(
-        "--commands", metavar="FOLDER", action="append", default=[], help="command files of your own (repeatable)"
+        "--commands", metavar="FOLDER", action="append", default=[], help="folder with your own commands (repeatable)"
     )
-    parser.add_argument("--edits", metavar="X.json", help="edits by hand, laid on the performance (docs/edits.md)")
+    parser.add_argument("--edits", metavar="X.json", help="manual edits to apply to the performance (docs/edits.md)")
     parser.add_argument(
         "--prosody",
         metavar="off|0..1",
         default="0.5",
-        help="how much brows and head go with the accents and phrase ends of the voice (default 0.5)",
+        help="how much brows and head follow the accents and phrase ends of the voice (default 0.5)",
     )
     parser.add_argument(
         "--alive",
         metavar="all|off|blinks,gaze,head,sway",
         default="all",
-        help="which signs of life move the face besides (default all); blinks=8, or all,blinks=8: so many a minute",
+        help="which signs of life to add (default all); blinks=8, or all,blinks=8: that many a minute",
     )
 
 
@@ -317,7 +322,9 @@ def _tiers(options: argparse.Namespace) -> tuple[str, ...]:
 
 def _add_language_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--language", metavar="TAG|X.toml", help="what is spoken: en, fi, de, es, or a phone map (default: English)"
+        "--language",
+        metavar="TAG|X.toml",
+        help="what language is spoken: a tag from 'mien languages', or a table of your own (default: English)",
     )
 
 

@@ -23,33 +23,39 @@ CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
 
 def add_commands(commands: Any, checked_face: CheckFace) -> None:
     """Add the four commands; ``checked_face`` checks output and face of ``perform`` before anything comes in."""
-    interpret = commands.add_parser("interpret", help="module 1: text with tags in, speech and commands at places out")
+    interpret = commands.add_parser("interpret", help="module 1: turns text with tags into speech and commands")
     interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
     _add_streams(interpret, _interpret)
-    speak = commands.add_parser("speak", help="module 2: gives it a voice, and everything a time")
+    speak = commands.add_parser("speak", help="module 2: speaks it and times everything")
     speak.add_argument("--voice", help="voice to speak with (mien doctor lists them)")
-    speak.add_argument("--language", metavar="TAG", help="such as fi; the voice's own by default")
+    speak.add_argument("--language", metavar="TAG", help="such as fi (default: the language of the voice)")
     speak.add_argument("--seed", type=int, default=0, help="seed of the voice (default 0)")
     speak.add_argument(
-        "--emotion", metavar="NAME[:0..1]", action="append", help="for the voice, as 'mien perform' has it for the face"
+        "--emotion",
+        metavar="NAME[:0..1]",
+        action="append",
+        help="emotion of the voice; 'mien perform' takes that of the face",
     )
     speak.add_argument(
-        "--voice-emotion", metavar="off|0..1", default="1", help="how much the voice goes with what is felt (default 1)"
+        "--voice-emotion",
+        metavar="off|0..1",
+        default="1",
+        help="how strongly the voice takes on the emotion (default 1)",
     )
     _add_streams(speak, _speak)
-    translate = commands.add_parser("translate", help="module 3: commands to curves of face parameters")
+    translate = commands.add_parser("translate", help="module 3: turns commands into curves of face parameters")
     _add_streams(translate, _translate)
-    perform = commands.add_parser("perform", help="module 4: plays it; frames as JSON lines, or a file with -o")
+    perform = commands.add_parser("perform", help="module 4: performs it, as JSON frames or into a file (-o)")
     perform.add_argument(
         "-o",
         "--output",
         metavar="OUT",
-        help="a file instead; {id} in it is the utterance's number, {sender} its stream's",
+        help="write a file instead; {id} stands for the utterance's number, {sender} for its stream's",
     )
     perform.add_argument("--fps", default="30", help="frames per second (default 30)")
     perform.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     perform.add_argument("--face", metavar="NAME|FILE", help="with -o: the face to show, as for mien say")
-    perform.add_argument("--names", metavar="X.toml", help="with -o: names of a face of your own, as for mien say")
+    perform.add_argument("--names", metavar="X.toml", help="with -o: names for your own face, as for mien say")
     perform.add_argument("--deformer", metavar="NAME|X.tree", help="with -o: what moves the face, as for mien say")
     add_view_options(perform)
     perform.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
@@ -57,29 +63,34 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
         "--speech-model", choices=("coarticulation", "graph", "both"), help="what moves the mouth, as for mien say"
     )
     perform.add_argument(
-        "--emotion", metavar="NAME[:0..1]", action="append", help="for every utterance as a whole (repeatable)"
+        "--emotion", metavar="NAME[:0..1]", action="append", help="emotion of every whole utterance (repeatable)"
     )
     perform.add_argument("--alive", default="all", help="signs of life, as for mien say (default all)")
-    perform.add_argument("--edits", metavar="X.json", help="edits by hand, laid on every utterance (docs/edits.md)")
+    perform.add_argument("--edits", metavar="X.json", help="manual edits to apply to every utterance (docs/edits.md)")
     perform.add_argument(
-        "--effort", default=None, help="how hard the words are articulated, 0..2 or off, as for mien say"
+        "--effort", default=None, help="how strongly words are articulated, 0..2 or off, as for mien say"
     )
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
     _add_streams(perform, lambda options: _perform(options, checked_face))
 
 
 def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int]) -> None:
-    parser.add_argument("--commands", metavar="FOLDER", action="append", default=[], help="command files of your own")
-    parser.add_argument("--listen", metavar="[HOST:]PORT", help="read from whoever connects there, not standard input")
     parser.add_argument(
-        "--token", help="what the sender must know, with --listen, and what the next module wants, with --connect"
+        "--commands", metavar="FOLDER", action="append", default=[], help="folder with your own commands"
     )
-    parser.add_argument("--stay", action="store_true", help="with --listen: go on after a sender has ended")
-    parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to whoever listens there, not standard output")
     parser.add_argument(
-        "--patience", type=float, default=30.0, help="seconds for which the next module may be away (default 30)"
+        "--listen", metavar="[HOST:]PORT", help="read from a connection to this address instead of standard input"
     )
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument(
+        "--token",
+        help="token that the sender must give (with --listen) and that the next module expects (with --connect)",
+    )
+    parser.add_argument("--stay", action="store_true", help="with --listen: keep running when a sender has finished")
+    parser.add_argument("--connect", metavar="[HOST:]PORT", help="send to this address instead of standard output")
+    parser.add_argument(
+        "--patience", type=float, default=30.0, help="how many seconds to wait for the next module (default 30)"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
 
 

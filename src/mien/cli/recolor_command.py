@@ -22,7 +22,7 @@ MARKERS = (".npz", ".c3d", ".csv")
 
 def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     """Add ``mien recolor`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
-    recolor = commands.add_parser("recolor", help="motion as it would be in another emotion")
+    recolor = commands.add_parser("recolor", help="show a motion in another emotion")
     recolor.add_argument(
         "motion",
         metavar="MOTION",
@@ -44,15 +44,17 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
         choices=("auto", "learned", "hand-made"),
         type=lambda way: "hand-made" if way == "authored" else way,  # as version 0.1 called it
         default="auto",
-        help="by the performer's learned map, or by hand-made expressions (default: learned where there is a map)",
+        help="use the performer's learned map, or hand-made expressions (default: learned if there is a map)",
     )
     recolor.add_argument(
-        "--performer", metavar="NAME|X.mien", help="whose map or expressions (default: who made the animation)"
+        "--performer",
+        metavar="NAME|X.mien",
+        help="whose map or expressions to use (default: the performer of the animation)",
     )
     recolor.add_argument("--seed", type=int, default=0, help="for takes and markers (default 0)")
     add_face_option(recolor)
     add_view_options(recolor)
-    recolor.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    recolor.add_argument("--quiet", action="store_true", help="print nothing but errors")
     recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
 
 

@@ -19,22 +19,20 @@ def add_record_command(commands: Any) -> None:
     """Add the command to the parser of ``mien``."""
     command = commands.add_parser(
         "record",
-        help="record a script, sentence by sentence, to learn from",
-        description="Shows each sentence, counts down, records sound and camera, checks the level. Stopped, it goes on "
-        "where it was when called again. The folder is for 'mien corpus import'.",
+        help="record a script, sentence by sentence, for learning",
+        description="Shows each sentence, counts down, records sound and camera, checks the level. If you stop "
+        "it, the same command continues. The folder is for 'mien corpus import'.",
     )
     command.add_argument("-o", "--output", metavar="SESSION", help="folder of the recordings")
-    command.add_argument(
-        "--from", dest="prepared", metavar="FOLDER", help="take 001.mp4, 002.mp4... instead of devices"
-    )
-    command.add_argument("--language", default="en", metavar="en|fi", help="whose script to read (default en)")
+    command.add_argument("--from", dest="prepared", metavar="FOLDER", help="use 001.mp4, 002.mp4... instead of devices")
+    command.add_argument("--language", default="en", metavar="en|fi", help="language of the script (default en)")
     command.add_argument("--script", metavar="FILE", help="your own script instead: one sentence a line")
-    command.add_argument("--emotion", default="neutral", metavar="NAME", help="in which to say it (default neutral)")
-    command.add_argument("--speaker", metavar="NAME", default="me", help="who speaks (default me)")
-    command.add_argument("--camera", metavar="DEVICE", help="such as /dev/video1 (default: the first there is)")
+    command.add_argument("--emotion", default="neutral", metavar="NAME", help="emotion to say it in (default neutral)")
+    command.add_argument("--speaker", metavar="NAME", default="me", help="name of the speaker (default me)")
+    command.add_argument("--camera", metavar="DEVICE", help="such as /dev/video1 (default: the first one)")
     command.add_argument("--no-camera", action="store_true", help="record the sound only")
     command.add_argument("--list", action="store_true", help="print the script and do nothing else")
-    command.add_argument("--quiet", action="store_true", help="say nothing but errors and what the session needs")
+    command.add_argument("--quiet", action="store_true", help="print only errors and what the session needs")
     command.set_defaults(run=_record)
 
 

@@ -15,16 +15,17 @@ def add_command(commands: Any) -> None:
     """Add ``mien score`` to the commands."""
     parser = commands.add_parser(
         "score",
-        help="score one motion against another: animations, face capture, markers, takes",
-        description="Each of the two is an animation (.json), a Live Link Face recording (.csv), marker motion (.c3d, "
-        ".csv, .npz) or a take of a corpus (CORPUS/NAME), in any mixture; or both are folders or corpora, and what has "
-        "the same name in both is compared. Every metric that applies is printed. See docs/metrics.md.",
+        help="compare two motions: animations, face capture, markers, takes",
+        description="Each of the two is an animation (.json), a Live Link Face recording (.csv), marker motion "
+        "(.c3d, "
+        ".csv, .npz) or a take of a corpus (CORPUS/NAME), in any combination. If both are folders or corpora, "
+        "items with the same name are compared. Every metric that applies is printed. See docs/metrics.md.",
     )
-    parser.add_argument("reference", metavar="REFERENCE", help="what is right: a recording")
-    parser.add_argument("estimate", metavar="ESTIMATE", help="what is to be judged")
-    parser.add_argument("--fps", help="frames per second of a .csv that does not say it")
+    parser.add_argument("reference", metavar="REFERENCE", help="the motion taken as correct, such as a recording")
+    parser.add_argument("estimate", metavar="ESTIMATE", help="the motion to judge")
+    parser.add_argument("--fps", help="frames per second of a .csv without times")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    parser.add_argument("-o", "--output", metavar="X.csv", help="also write every figure in a line of its own")
+    parser.add_argument("-o", "--output", metavar="X.csv", help="also write every figure on its own line")
     parser.set_defaults(run=_score)
 
 

@@ -19,9 +19,9 @@ def add_command(commands: Any) -> None:
     serve = commands.add_parser("serve", help="stream an animation to browsers and engines in real time")
     serve.add_argument("animation", metavar="LINE.json", help="a native animation: mien say ... -o LINE.json")
     add_outlet_options(serve)
-    serve.add_argument("--loop", action="store_true", help="begin again at the end, until stopped")
-    serve.add_argument("--wait", action="store_true", help="begin when a client has come, or an engine listens")
-    serve.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    serve.add_argument("--loop", action="store_true", help="repeat until stopped")
+    serve.add_argument("--wait", action="store_true", help="start when a client connects or an engine listens")
+    serve.add_argument("--quiet", action="store_true", help="print nothing but errors")
     serve.set_defaults(run=_serve)
 
 
@@ -29,18 +29,23 @@ def add_outlet_options(parser: argparse.ArgumentParser) -> None:
     """The options that say where frames go."""
     parser.add_argument("--port", type=int, help="port of the WebSocket (default 8765; 0: any free one)")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
-    parser.add_argument("--token", help="clients must give it (ws://...?token=...); needed with another --host")
+    parser.add_argument(
+        "--token", help="token that clients must give (ws://...?token=...); required with another --host"
+    )
     parser.add_argument(
         "--origin", action="append", default=[], help="origin of a web page that may connect (repeatable)"
     )
     parser.add_argument("--vmc", metavar="HOST[:PORT]", help="also send VMC packets there (usual port 39539)")
-    parser.add_argument("--vmc-shapes", default="arkit", help="names of the shapes in them: arkit, vrm or vrm1")
+    parser.add_argument("--vmc-shapes", default="arkit", help="shape names in VMC packets: arkit, vrm or vrm1")
     parser.add_argument(
-        "--vmc-head", default="0,0.09,0.01", metavar="X,Y,Z", help="rest of the head bone on its neck, metres; or off"
+        "--vmc-head",
+        default="0,0.09,0.01",
+        metavar="X,Y,Z",
+        help="rest position of the head bone on the neck in metres, or off",
     )
     parser.add_argument("--livelink", metavar="HOST[:PORT]", help="also send Live Link Face packets (usual port 11111)")
     parser.add_argument("--subject", default="mien", help="name that Live Link shows (default mien)")
-    parser.add_argument("--no-websocket", action="store_true", help="packets only")
+    parser.add_argument("--no-websocket", action="store_true", help="send packets only")
 
 
 def _serve(options: argparse.Namespace) -> int:

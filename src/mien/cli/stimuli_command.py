@@ -17,17 +17,21 @@ _SHOWN = 10  # warnings about single lines
 
 def add_commands(commands: Any) -> None:
     """Add the two commands."""
-    stimuli = commands.add_parser("stimuli", help="stimuli for experiments from a table of factors (docs/stimuli.md)")
-    stimuli.add_argument("design", metavar="TABLE.csv", help="one row for each stimulus; levels a|b are crossed")
-    stimuli.add_argument("--lists", type=int, default=0, help="also write so many counterbalanced lists")
+    stimuli = commands.add_parser("stimuli", help="make stimuli for experiments from a table (docs/stimuli.md)")
+    stimuli.add_argument("design", metavar="TABLE.csv", help="one row per stimulus; levels written a|b are crossed")
+    stimuli.add_argument("--lists", type=int, default=0, help="also write this many counterbalanced lists")
     add_view_options(stimuli)
     _add_work(stimuli)
     stimuli.add_argument(
-        "--also", metavar="SUFFIX", action="append", default=[], help="write this format too, such as .glb; repeatable"
+        "--also",
+        metavar="SUFFIX",
+        action="append",
+        default=[],
+        help="also write this format, such as .glb (repeatable)",
     )
     stimuli.set_defaults(run=_stimuli)
     batch = commands.add_parser("batch", help="say every line of a text file")
-    batch.add_argument("lines", metavar="LINES.txt", help="one text for each line; tags as in docs/script.md")
+    batch.add_argument("lines", metavar="LINES.txt", help="one text per line, with tags as in docs/script.md")
     for name in ("voice", "emotion", "effort", "fps", "performer", "face"):
         batch.add_argument(f"--{name}", default="", help=f"{name} of all lines, as for mien say")
     batch.add_argument("--seed", type=int, default=0, help="seed of all lines (default 0)")
@@ -37,7 +41,7 @@ def add_commands(commands: Any) -> None:
         dest="formats",
         action="append",
         default=[],
-        help="what is written for each line, such as .glb or .csv; repeatable (default .mp4)",
+        help="format to write for each line, such as .glb or .csv (repeatable; default .mp4)",
     )
     add_view_options(batch)
     _add_work(batch)
@@ -45,10 +49,10 @@ def add_commands(commands: Any) -> None:
 
 
 def _add_work(parser: Any) -> None:
-    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder to fill; a stopped run goes on")
-    parser.add_argument("--workers", type=int, help="processes (default: one per core; 0: in this one)")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler; its workers share the folder")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="output folder; a stopped run continues")
+    parser.add_argument("--workers", type=int, help="number of processes (default: one per core; 0: only this one)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler whose workers share the folder")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _stimuli(options: argparse.Namespace) -> int:

@@ -20,14 +20,14 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any) -> None:
     """Add ``mien studio`` to the commands."""
-    studio = commands.add_parser("studio", help="direct a line by eye, in the browser: hear, see, edit, export")
+    studio = commands.add_parser("studio", help="direct a line in the browser: listen, watch, edit, export")
     studio.add_argument("--port", type=int, default=8700, help="port of the page (default 8700; 0: any free one)")
-    studio.add_argument("--no-browser", action="store_true", help="print the address and open nothing")
+    studio.add_argument("--no-browser", action="store_true", help="print the address and do not open a browser")
     studio.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
-    studio.add_argument("--token", help="clients must give it; needed with another --host")
-    studio.add_argument("--name", action="append", default=[], help="further name of this machine (repeatable)")
+    studio.add_argument("--token", help="token that clients must give; required with another --host")
+    studio.add_argument("--name", action="append", default=[], help="another name of this machine (repeatable)")
     studio.add_argument(
-        "--folder", metavar="DIR", help="where takes are kept as they are made (default: with your user data)"
+        "--folder", metavar="DIR", help="where takes are saved as you make them (default: with your user data)"
     )
     studio.set_defaults(run=_studio)
 

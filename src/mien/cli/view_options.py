@@ -27,7 +27,7 @@ def add_view_options(parser: Any) -> None:
     group.add_argument(
         "--light", metavar="NAME|X.toml", help="portrait, soft, even, dramatic, or a file (default portrait)"
     )
-    group.add_argument("--quality", metavar="draft|full|best", help="speed against looks and size (default full)")
+    group.add_argument("--quality", metavar="draft|full|best", help="trade speed for quality and size (default full)")
 
 
 def given_view_options(options: argparse.Namespace) -> dict[str, str]:

@@ -10,8 +10,8 @@ __all__ = ["add_command"]
 
 def add_command(commands: Any) -> None:
     """Add ``mien warm-up`` to the commands."""
-    warm = commands.add_parser("warm-up", help="compile the drawing once, so that the first picture does not wait")
-    warm.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    warm = commands.add_parser("warm-up", help="compile the renderer once, so that the first picture is quick")
+    warm.add_argument("--quiet", action="store_true", help="print nothing but errors")
     warm.set_defaults(run=_warm_up)
 
 
