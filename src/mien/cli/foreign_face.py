@@ -68,14 +68,22 @@ def glb_style(options: argparse.Namespace) -> GlbStyle | None:
 
 def checked_foreign_face(
     face: str, outputs: Sequence[Path], deformer: str, names: str | None, arms: str = "lower"
-) -> ForeignFace:
-    """Refuse what cannot be done with a foreign face before any work is done."""
+) -> ForeignFace | Face:
+    """A foreign face to show; what cannot be done with it is refused before any work is done.
+
+    With a deformer it becomes a face of mien's own, which that moves; a ``.glb`` then holds this one, not its file.
+    """
     from mien.face.foreign.drawn import not_drawn
     from mien.face.foreign.known_face import known_face
     from mien.formats.registry import draws_pictures
 
     if deformer != "blendshapes":
-        raise InputError(f"--deformer {deformer} is for mien's own faces; {face} moves by its morph targets")
+        from mien.face.deformers import deformed_by
+        from mien.face.foreign.known_face import face_by_channels
+
+        if any(path.suffix.lower() in (".glb", ".gltf", ".vrm") for path in outputs):
+            print(f"mien: note: with --deformer the .glb holds the head of {face}, not its whole file", file=sys.stderr)
+        return deformed_by(face_by_channels(face, names), deformer)
     recognised = replace(known_face(face, names), arms=arms == "lower")
     recognised.require_motion()
     for path in outputs:

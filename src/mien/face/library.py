@@ -82,7 +82,8 @@ def load_face(name: str | Path = "default") -> Face:
     name : str or Path
         One of `known_faces`, or two of the cast and the share of the second (``amara+mei:0.3``); the path of a
         ``.npz`` file that `mien.face.storage.write_face` wrote, or of an ``.obj`` file: that one has no morph targets
-        and is moved by a parameter tree (`mien.face.deformers.deformed_by`).
+        and is moved by a parameter tree (`mien.face.deformers.deformed_by`); or of a face of another maker (``.glb``,
+        ``.vrm``, ``.gltf``), laid out in mm with targets named by channels.
 
     Raises
     ------
@@ -98,8 +99,10 @@ def load_face(name: str | Path = "default") -> Face:
     if str(name).lower().endswith(".obj"):
         return face_of_mesh(read_obj(name), Path(name).stem)
     kind = Path(name).suffix.lower()
-    if kind == ".fbx":
-        raise InputError(f"{name}: FBX is not read: export it as .glb, in Blender with File > Export > glTF 2.0")
+    if kind in (".glb", ".vrm", ".gltf", ".fbx"):
+        from mien.face.foreign.known_face import face_by_channels
+
+        return face_by_channels(name)
     if kind in (".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz"):
         raise InputError(f"{name} is a bare mesh, without shapes: 'mien face fit {name} -o FACE.npz' gives it some")
     if isinstance(name, Path) or str(name).endswith(".npz"):

@@ -6,6 +6,7 @@ likeness is sure and nothing else on the face does that channel's work; otherwis
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,7 +25,7 @@ from mien.face.foreign.target_geometry import Likeness, Registration, likenesses
 from mien.face.model import Face
 
 __all__ = [
-    "BY_MOTION", "FEWEST", "LEAST_MOUTH", "Reach", "all_targets", "known_face", "mouth_share", "note_on_mouth", "reach",
+    "BY_MOTION", "FEWEST", "LEAST_MOUTH", "Reach", "all_targets", "face_by_channels", "known_face", "mouth_share", "note_on_mouth", "reach",
 ]  # fmt: skip
 
 BY_MOTION = "what it moves"
@@ -89,6 +90,31 @@ def known_face(source: str | Path | GltfDocument, names: OwnNames | str | Path |
         return face
     likely, _ = likenesses(every, asked)
     return _with(face, likely)
+
+
+def face_by_channels(source: str | Path | GltfDocument, names: OwnNames | str | Path | None = None) -> Face:
+    """A face of another maker laid out in mm, its targets named by channels: what every deformer can move.
+
+    Parameters
+    ----------
+    source : path-like or GltfDocument
+    names : OwnNames or path-like, optional
+        A table of the user's own.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, drawn or moved.
+    """
+    known = known_face(source, names)
+    known.require_motion()
+    face = drawn_face(known).by_channels()
+    plain = {part.name: re.sub(r"\W+", "_", part.name) for part in face.parts}  # as a tree's file can name them
+    return replace(
+        face,
+        parts=tuple(replace(part, name=plain[part.name]) for part in face.parts),
+        eyes=tuple(replace(eye, part=plain[eye.part]) for eye in face.eyes),
+    )
 
 
 def all_targets(face: ForeignFace) -> Face | None:
