@@ -25,7 +25,8 @@ from mien.face.foreign.target_geometry import Likeness, Registration, likenesses
 from mien.face.model import Face
 
 __all__ = [
-    "BY_MOTION", "FEWEST", "LEAST_MOUTH", "Reach", "all_targets", "face_by_channels", "known_face", "mouth_share", "note_on_mouth", "reach",
+    "BY_MOTION", "FEWEST", "LEAST_MOUTH", "Reach", "all_targets", "face_by_channels", "known_face", "mouth_share",
+    "note_on_mouth", "reach",
 ]  # fmt: skip
 
 BY_MOTION = "what it moves"
