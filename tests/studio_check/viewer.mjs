@@ -16,7 +16,7 @@ const stream = example.replace(/document\.querySelector\('button'\).*$/m, `face.
 const played = example.replace(/document\.querySelector\('button'\).*$/m, "await face.play('line.json');");
 const decoding = (code, number) => `import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
-${code.replace('new GLTFLoader()', "new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).setKTX2Loader(new KTX2Loader().setTranscoderPath('/three/examples/jsm/libs/basis/').detectSupport(renderer))").replace("'face.glb'", `'/other/${number}.glb'`)}`;
+${code.replace('new GLTFLoader()', "new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).setKTX2Loader(new KTX2Loader().setTranscoderPath('/three/examples/jsm/libs/basis/').detectSupport(renderer))").replace("'face.glb'", `'/other/${number}.glb'`).replace("'line.json'", "'/line.json'")}`;
 const page = (code) => `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><canvas width="200" height="200"></canvas><button>listen</button>
 <script type="importmap">{"imports": {"three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/", "mien-viewer": "/viewer/index.js"}}</script>
 <script type="module">${code}\nwindow.face = face;</script>`;
