@@ -34,11 +34,20 @@ export function field(label: string, name: string, control: HTMLElement, help?: 
     make('label', { for: control.id }, label), control, help === undefined ? null : make('p', { class: 'help' }, help), fault);
 }
 
+/** What of the page helps with a fault of a field, and what that is called. */
+const HELP: Readonly<Record<string, readonly [id: string, label: string]>> = { text: ['tag-help', 'What can stand in a text'] };
+
+function openHelp(id: string): void {
+  const help = document.getElementById(id);
+  if (help instanceof HTMLDetailsElement) help.open = true;
+  help?.scrollIntoView({ block: 'nearest' });
+}
+
 /** Shows a fault at its field; `false` if there is no such field to be seen. */
 export function showFault(name: string, message: string | null): boolean {
   const fault = document.getElementById(`fault-${name}`);
   if (fault === null) return false;
-  fault.textContent = message ?? '';
+  fault.replaceChildren(message ?? '', ...(message === null || HELP[name] === undefined ? [] : [' ', button(HELP[name][1], () => openHelp(HELP[name]?.[0] ?? ''), { class: 'small' })]));
   fault.hidden = message === null;
   document.getElementById(`field-${name}`)?.toggleAttribute('aria-invalid', message !== null);
   return true;
