@@ -44,7 +44,7 @@ export async function face(id: string): Promise<ArrayBuffer> {
   return (await ask(`/api/faces/${id}.glb`)).arrayBuffer();
 }
 
-export interface ListedFace { face: string; name: string; own: boolean; report?: unknown }
+export interface ListedFace { face: string; name: string; own: boolean; picture?: boolean; report?: unknown }
 export const faces = async (): Promise<ListedFace[]> => (await read<{ faces: ListedFace[] }>('/api/faces')).faces;
 export const addFace = (file: Blob, name: string): Promise<{ face: string; report: unknown }> =>
   read(`/api/faces?name=${encodeURIComponent(name)}`, { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file });

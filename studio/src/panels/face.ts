@@ -38,9 +38,9 @@ export class FacePanel {
       this.known.set(face, recipesOf(report as Report));
       this.reports.set(face, [name, report as Report]);
     }
-    this.cast.replaceChildren(...faces.map(({ face, name, own }) => {
+    this.cast.replaceChildren(...faces.map(({ face, name, picture }) => {
       const press = button(name, () => void this.show(face).catch((problem: unknown) => this.session.tell(problem, 'face')), { class: 'member', 'data-face': face, 'aria-pressed': String(face === this.id), title: name },
-        own ? this.pictures.get(face) ?? make('span', { class: 'own', 'aria-hidden': 'true' }, 'GLB') : make('img', { src: `/api/faces/${face}.jpg`, alt: '', width: 72, height: 72, loading: 'lazy' }), make('span', {}, name));
+        picture === false ? this.pictures.get(face) ?? make('span', { class: 'own', 'aria-hidden': 'true' }, name.slice(0, 3)) : make('img', { src: `/api/faces/${face}.jpg`, alt: '', width: 72, height: 72, loading: 'lazy' }), make('span', {}, name));
       return press;
     }));
   }

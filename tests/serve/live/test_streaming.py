@@ -266,7 +266,7 @@ def test_a_loop_goes_on_in_number_and_time() -> None:
             stream(animation, Outlets(Access(port=0)), wait=True, loop=True, opened=opened.set_result)
         )
         async with connect(f"ws://127.0.0.1:{await opened}") as client:
-            await client.recv()
+            assert json.loads(await client.recv())["facts"]["round"] == pytest.approx(0.03)
             await client.recv()  # when frame 0 stands
             frames = [decode_frame(bytes(await client.recv(decode=False))) for _ in range(8)]
         playing.cancel()

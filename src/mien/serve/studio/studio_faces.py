@@ -88,16 +88,15 @@ class FaceShelf:
 
     def picture(self, name: str) -> bytes:
         """A small picture of a face of mien's, JPEG; raises `mien.serve.studio.lru_store.Missing`."""
-        found = asset(f"faces/pictures/{name}.jpg") if name in known_faces() else None
-        if found is None or not found.is_file():
+        if not _has_picture(name):
             raise Missing("there is no picture of this face")
-        return found.read_bytes()
+        return asset(f"faces/pictures/{name}.jpg").read_bytes()
 
     def listed(self) -> list[dict[str, Any]]:
         """All of them by id, with their names."""
         shipped = sorted(known_faces(), key=lambda name: (name != DEFAULT_FACE, name))
-        return [{"face": name, "name": name, "own": False} for name in shipped] + [
-            {"face": face.path.parent.name, "name": face.name, "own": True, "report": face.report}
+        return [{"face": name, "name": name, "own": False, "picture": _has_picture(name)} for name in shipped] + [
+            {"face": face.path.parent.name, "name": face.name, "own": True, "picture": False, "report": face.report}
             for face in self._foreign
         ]
 
@@ -172,6 +171,10 @@ class FaceShelf:
         if not isinstance(name, str) or name not in self._foreign:
             raise FieldError("face", "there is no such face (any more): open the GLB again")
         return self._foreign.get(name).path
+
+
+def _has_picture(name: str) -> bool:
+    return name in known_faces() and asset(f"faces/pictures/{name}.jpg").is_file()
 
 
 def _one_word_each(face: Face) -> Face:
