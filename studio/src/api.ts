@@ -46,6 +46,17 @@ export async function face(id: string): Promise<ArrayBuffer> {
 
 export interface ListedFace { face: string; name: string; own: boolean; picture?: boolean; report?: unknown }
 export const faces = async (): Promise<ListedFace[]> => (await read<{ faces: ListedFace[] }>('/api/faces')).faces;
+export interface Head { head: string; name: string; vertices: Float32Array; triangles: Uint32Array; landmarks: Record<string, { place: [number, number, number]; words: string }> }
+const bytes = (packed: string): ArrayBuffer => Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer;
+export const openHead = async (file: File): Promise<string> =>
+  (await read<{ job: string }>(`/api/heads?name=${encodeURIComponent(file.name)}`, { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file })).job;
+export async function head(id: string): Promise<Head> {
+  const told = await read<Omit<Head, 'vertices' | 'triangles'> & { vertices: string; triangles: string }>(`/api/heads/${id}`);
+  return { ...told, vertices: new Float32Array(bytes(told.vertices)), triangles: new Uint32Array(bytes(told.triangles)) };
+}
+export const fitHead = async (id: string, landmarks: Record<string, number[]>): Promise<string> =>
+  (await read<{ job: string }>(`/api/heads/${id}/fit`, json('POST', { landmarks }))).job;
+
 export const addFace = (file: Blob, name: string): Promise<{ face: string; report: unknown }> =>
   read(`/api/faces?name=${encodeURIComponent(name)}`, { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file });
 
@@ -121,7 +132,6 @@ export interface RigFault { line?: number | null; parameter?: string | null; tex
 export const getRig = (id: string): Promise<{ config: TreeData; face: string }> => read(`/api/rigs/${id}`);
 export async function getRigMesh(id: string): Promise<PartShape[]> {
   const { parts } = await read<{ parts: { name: string; vertices: string; triangles: string }[] }>(`/api/rigs/${id}/mesh`);
-  const bytes = (packed: string): ArrayBuffer => Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer;
   return parts.map(({ name, vertices, triangles }) => ({ name, vertices: new Float32Array(bytes(vertices)), triangles: new Uint32Array(bytes(triangles)) }));
 }
 export const getInfluences = (id: string): Promise<Influences> => read(`/api/rigs/${id}/influence`);

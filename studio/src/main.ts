@@ -83,6 +83,7 @@ async function start(): Promise<void> {
   ], timeline.element, (name) => {
     if (name === 'rig') void rig?.show();
     else if (name !== 'timeline') rig?.hide();
+    if (name !== 'face' && name !== 'timeline') face.head.leave();
     page.touch();
   });
   const state = (): PageState => ({

@@ -106,13 +106,12 @@ export class Stage {
   }
 
   /** Shows another object in the place of the face, framed like it (undefined: the face again). */
-  instead(object: Object3D | undefined): void {
+  instead(object: Object3D | undefined, box = object === undefined ? undefined : new Box3().setFromObject(object)): void {
     if (this.other !== undefined) this.scene.remove(this.other);
     this.other = object;
     if (this.face !== undefined) this.face.visible = object === undefined;
-    if (object !== undefined) {
+    if (object !== undefined && box !== undefined) {
       this.scene.add(object);
-      const box = new Box3().setFromObject(object);
       this.camera.aspect = this.backdrop.clientWidth / Math.max(this.backdrop.clientHeight, 1);
       this.controls.target.copy(frameBox(box, this.camera, { fill: 1.15, height: 0.5, around: 20, above: 4 }));
       this.controls.minDistance = (box.max.y - box.min.y) * 0.1;

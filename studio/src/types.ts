@@ -89,5 +89,8 @@ export interface Job {
   /** A take with the beginning of the result, to be heard and seen meanwhile. */
   beginning?: string | null;
   file?: string | null;
+  /** A head without shapes, and the face that it has become. */
+  head?: string;
+  face?: string;
 }
 export const emptyLayer = (): Layer => ({ format: 'mien-edits', version: 1, edits: [] });

@@ -2,6 +2,7 @@
 import * as api from '../api';
 import { button, make, showFault } from '../dom';
 import type { Recipe } from 'mien-viewer';
+import { HeadPanel } from './head';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
 
@@ -17,13 +18,16 @@ export class FacePanel {
   private readonly report = make('div', { class: 'report', 'aria-live': 'polite' });
   private readonly cast = make('div', { class: 'cast', role: 'group', 'aria-label': 'Faces' });
 
+  readonly head: HeadPanel;
+
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly shown: () => void) {
+    this.head = new HeadPanel(session, stage, async (face) => { await this.list(); await this.show(face); });
     this.id = session.about.default_face;
     this.element.append(
       this.cast,
       make('p', { class: 'help' }, 'Or a face of your own: any GLB or VRM whose morph targets are named like ARKit’s shapes or like visemes. Drop it anywhere.'),
       make('div', { class: 'actions' }, make('label', { class: 'button', for: 'field-face' }, 'Open a GLB or VRM …'), this.file),
-      make('p', { class: 'fault', id: 'fault-face', role: 'alert', hidden: true }), this.report);
+      make('p', { class: 'fault', id: 'fault-face', role: 'alert', hidden: true }), this.report, this.head.element);
     this.file.addEventListener('change', () => void this.upload(this.file.files?.[0]));
   }
 
@@ -46,6 +50,7 @@ export class FacePanel {
   }
 
   async show(id: string, recipes?: Record<string, Recipe>): Promise<void> {
+    this.head.leave();
     await this.stage.show(await api.face(id), recipes ?? this.known.get(id));
     if (recipes !== undefined) this.known.set(id, recipes);
     this.id = id;

@@ -13,6 +13,7 @@ from aiohttp.http_exceptions import HttpProcessingError
 from mien.core.errors import MienError, OutputError
 from mien.serve.studio.access import HEADERS, Gate
 from mien.serve.studio.bodies import TooLarge
+from mien.serve.studio.head_routes import HeadRoutes
 from mien.serve.studio.jobs import Busy
 from mien.serve.studio.live_routes import LiveRoutes
 from mien.serve.studio.lru_store import Missing
@@ -52,6 +53,7 @@ def application(settings: StudioSettings, workshop: Workshop) -> web.Application
     RigRoutes(workshop).add_to(app)
     ProjectRoutes(workshop).add_to(app)
     LiveRoutes(workshop).add_to(app)
+    HeadRoutes(workshop).add_to(app)
     return app
 
 
