@@ -15,6 +15,7 @@ from tests.utterances import utterance
     ("score", "told"),
     [
         (Score((EmotionSpan.parse("happy[5-9]"),)), "happy was asked for from 5 s"),
+        (Score((EmotionSpan.parse("happy[0.1-9]"),)), "happy was asked for to 9 s"),
         (Score((EmotionSpan.parse("happy:0.2@0,0.9@7"),)), "happy was asked for at 7 s"),
         (Score(efforts=(EffortSpan(parse_effort("0.5@0,1.4@7")),)), "effort was asked for at 7 s"),
         (Score(curves=(ParameterCurve("jawOpen", ((8000.0, 1.0), (9000.0, 0.0))),)), "jawOpen was asked for from 8 s"),

@@ -109,6 +109,11 @@ def _outside(score: Score, duration: float) -> tuple[Note, ...]:
         if not isinstance(curve, float | int) and start < duration < curve.times[-1] - _A_LITTLE
     ]
     told += [
+        f"{span.name} was asked for to {span.end:g} s, but the line ends at {duration:.2f} s: shown up to there"
+        for span in score.emotions
+        if span.end is not None and (span.start or 0.0) < duration < span.end - _A_LITTLE
+    ]
+    told += [
         f"{curve.parameter} was asked for from {start:g} s, but the line ends at {duration:.2f} s: not shown"
         for curve in score.curves
         if (start := (curve.keys[0][0] - curve.fade) / 1000) >= duration

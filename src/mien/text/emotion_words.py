@@ -45,8 +45,10 @@ def _short_tag() -> re.Pattern[str]:
     return re.compile(rf"<(?P<end>/)?(?P<name>{words})(?:[ \t]+(?P<strength>[01]?\.?\d{{1,6}}))?[ \t]*>")
 
 
-def with_long_tags(text: str, known: Collection[str] = ()) -> str:
-    """A text in which short tags of emotions are written out; every other character stays, lines too.
+def with_long_tags(text: str, known: Collection[str] = ()) -> tuple[str, tuple[str, ...]]:
+    """A text in which short tags of emotions are written out, and which of them are never closed.
+
+    Every other character stays, lines too.
 
     Parameters
     ----------
@@ -57,11 +59,11 @@ def with_long_tags(text: str, known: Collection[str] = ()) -> str:
     Examples
     --------
     >>> with_long_tags("<angry 0.6>No!</angry> Well.")
-    '<emotion name="angry" intensity="0.6">No!</emotion> Well.'
+    ('<emotion name="angry" intensity="0.6">No!</emotion> Well.', ())
     >>> with_long_tags("Oh. <joy>It is you!")
-    'Oh. <emotion name="happy">It is you!</emotion>'
+    ('Oh. <emotion name="happy">It is you!</emotion>', ('joy',))
     """
-    pieces, place, opened = [], 0, list[str]()
+    pieces, place, opened, held = [], 0, list[str](), list[str]()
     tags = [found for found in _short_tag().finditer(text) if found["name"] not in known]
     ends = [found["name"] for found in tags if found["end"]]
     for found in tags:
@@ -77,6 +79,7 @@ def with_long_tags(text: str, known: Collection[str] = ()) -> str:
             opened.pop()
         if name not in ends:
             opened.append(name)
+            held.append(name)
         strength = f' intensity="{found["strength"]}"' if found["strength"] else ""
         pieces.append(f'<emotion name="{emotion_called(name)}"{strength}>')
-    return "".join([*pieces, text[place:], "</emotion>" * len(opened)])
+    return "".join([*pieces, text[place:], "</emotion>" * len(opened)]), tuple(dict.fromkeys(held))

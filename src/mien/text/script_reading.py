@@ -54,12 +54,11 @@ def read_script(text: str, library: CommandLibrary | None = None, source: str = 
     library = library or shipped_library()
     text = _NOT_IN_XML.sub(" ", text)
     if not is_document(text):
-        return _built(
-            read_tagged_text(with_long_tags(text, library.names), {*ELEMENTS, *library.names}, source),
-            library,
-            source,
-            collapse=False,
+        written, held = with_long_tags(text, library.names)
+        script = _built(
+            read_tagged_text(written, {*ELEMENTS, *library.names}, source), library, source, collapse=False
         )
+        return replace(script, notes=(*script.notes, *(_unclosed(name, source) for name in held)))
     events = tuple(read_document(text, source))
     root = events[0]
     if root.text == "bml":
@@ -119,6 +118,13 @@ def _declared(content: bytes, path: Path) -> str | None:
     except LookupError as problem:
         raise InputError(f"{path}, line 1: the encoding {name!r} is not known; save it as UTF-8") from problem
     return None if found.name.startswith("utf-") or not found._is_text_encoding else found.name
+
+
+def _unclosed(name: str, source: str) -> Note:
+    return Note(
+        "note",
+        f"{source}: <{name}> is never closed with </{name}>: it holds to the next such tag, or to the end of the text",
+    )
 
 
 def _built(events: Iterable[Event], library: CommandLibrary, source: str, collapse: bool) -> Script:
