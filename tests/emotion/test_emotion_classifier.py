@@ -16,7 +16,7 @@ from mien.emotion.emotion_classifier import (
     default_classifier,
     load_classifier,
 )
-from mien.emotion.emotion_over_time import emotion_spans, likeliest_course, read_over_time, running_baseline
+from mien.emotion.emotion_over_time import RunningBaseline, emotion_spans, likeliest_course, read_over_time
 from mien.emotion.emotion_samples import emotion_samples
 from mien.formats.sound_files import read_audio
 from mien.speech.sound_variations import varied
@@ -173,7 +173,9 @@ def test_a_baseline_without_speech_does_not_count(learned: EmotionClassifier) ->
 def test_calm_parts_of_a_recording_become_its_measure_stirred_ones_do_not(learned: EmotionClassifier) -> None:
     def moved(mood: str) -> float:
         rows = np.array([list(voice_features(analyse(talk(mood, 400 + i, 2.5))).values()) for i in range(6)])
-        moved = running_baseline(learned, rows, learned.usual_) - learned.usual_
+        running = RunningBaseline(learned, learned.usual_)
+        running.add(rows)
+        moved = running.value - learned.usual_
         return float(np.abs(moved[learned.columns_] / learned.machine_.scale_).mean())
 
     assert moved("neutral") > 4 * moved("angry")

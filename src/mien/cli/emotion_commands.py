@@ -44,8 +44,10 @@ def add_emotion_commands(commands: Any) -> None:
     _add_corpora(train)
     train.add_argument("-o", "--output", metavar="X.npz", required=True, help="the classifier to write")
     train.add_argument("--features", default="voice", help="voice (default), or cepstral:500 (Cao et al. 2005)")
-    train.add_argument("--kernel", choices=("radial", "linear"), default="radial")
-    train.add_argument("--cost", type=float, default=0.5, help="C of libsvm (default 0.5)")
+    train.add_argument(
+        "--kernel", choices=("radial", "linear"), help="default: linear for voices, radial for the paper's features"
+    )
+    train.add_argument("--cost", type=float, help="C of libsvm (default: linear 0.003, radial 0.5)")
     train.add_argument(
         "--variations",
         type=int,
@@ -176,7 +178,7 @@ def _train(options: argparse.Namespace) -> int:
     path = check_writable(options.output)
     if path.suffix.lower() != ".npz":
         raise InputError(f"mien emotion-train writes an .npz file, not {options.output!r}; give -o NAME.npz")
-    if options.cost <= 0:
+    if options.cost is not None and options.cost <= 0:
         raise InputError(f"a cost is greater than 0, not {options.cost:g}")
     variations = options.variations if options.variations is not None else (4 if options.features == VOICE else 0)
     if variations < 0 or options.seed < 0:

@@ -51,7 +51,12 @@ def add_command(commands: Any) -> None:
     live.add_argument("--fps", default="30", help="frames per second (default 30)")
     live.add_argument("--seed", type=int, default=0, help="seed of blinks, glances and drift (default 0)")
     live.add_argument("--performer", default="default", metavar="NAME|X.mien", help="who moves")
-    live.add_argument("--emotion", metavar="NAME[:0..1]", action="append", help="a constant emotion, such as happy:0.6")
+    live.add_argument(
+        "--emotion",
+        metavar="NAME[:0..1]",
+        action="append",
+        help="a constant emotion, such as happy:0.6; auto: the one that is heard",
+    )
     live.add_argument("--wait", action="store_true", help="start when the first WebSocket client connects")
     add_view_options(live)
     add_outlet_options(live)
@@ -116,11 +121,12 @@ def _source(options: argparse.Namespace) -> SoundSource:
 
 
 def _prepared(options: argparse.Namespace) -> tuple[Performer, LiveSettings]:
-    from mien.pipeline.options import prepared
+    from mien.pipeline.options import prepared, split_auto
     from mien.serve.live.animator import LiveSettings
 
-    performer, score, rate = prepared(options.performer, options.emotion, options.fps, options.seed)
-    return performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed)
+    asked, heard = split_auto(options.emotion)
+    performer, score, rate = prepared(options.performer, asked, options.fps, options.seed)
+    return performer, LiveSettings(options.look_ahead / 1000, rate, score, options.seed, heard)
 
 
 def _run(

@@ -34,7 +34,7 @@ from mien.speech.voice_features import STEP, SpeechFrames, analyse
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
 
-__all__ = ["EmotionStretch", "emotion_spans", "read_over_time", "running_baseline"]
+__all__ = ["EmotionStretch", "RunningBaseline", "emotion_spans", "read_over_time"]
 
 CHANGE_PRICE = 3.0
 """Of one change of emotion, in units of log probability of one window."""
@@ -83,7 +83,9 @@ def read_over_time(
     start = classifier.neutral_baseline(baseline)
     placed = windows(frames)
     features = np.array([features_of(piece, VOICE) for _, piece in placed])
-    usual = running_baseline(classifier, features, start)
+    running = RunningBaseline(classifier, start)
+    running.add(features)
+    usual = running.value
     probabilities = classifier.probabilities(features, usual)
     activation = classifier.activations(features, usual)
     course = likeliest_course(probabilities)
@@ -118,25 +120,38 @@ def emotion_spans(audio: Audio, classifier: EmotionClassifier | None = None) -> 
     return tuple(spans)
 
 
-def running_baseline(classifier: EmotionClassifier, features: _Array, start: _Array) -> _Array:
-    """What is usual for a speaker, from the calm parts of a recording: each window counts by how surely it is neutral.
+class RunningBaseline:
+    """What is usual for a speaker, from the calm parts of what was heard so far: windows count as they are neutral.
 
     An angry speech has no calm parts and does not become its own measure.
 
     Parameters
     ----------
     classifier : EmotionClassifier
-    features : ndarray, shape (windows, features)
     start : ndarray, shape (features,)
         The baseline before anything was heard.
     """
-    if NEUTRAL not in classifier.emotions:
-        return start
-    neutral = classifier.probabilities(features, start)[:, classifier.emotions.index(NEUTRAL)]
-    calm = np.maximum(2 * neutral - 1, 0.0)  # only windows that are more neutral than not
-    weight = float(calm.sum()) * WINDOW_STEP / WINDOW  # windows overlap
-    middle = calm @ features / max(float(calm.sum()), 1e-9) + FROM_NEUTRAL * classifier.from_neutral_
-    return np.asarray((weight * middle + FEW_TOGETHER * start) / (weight + FEW_TOGETHER))
+
+    def __init__(self, classifier: EmotionClassifier, start: _Array) -> None:
+        self._classifier, self._start = classifier, start
+        self._calm, self._sum = 0.0, np.zeros(len(start))
+
+    def add(self, features: _Array) -> None:
+        """Hear windows, shape (windows, features), that lie `WINDOW_STEP` apart."""
+        if NEUTRAL not in self._classifier.emotions:
+            return
+        neutral = self._classifier.probabilities(features, self._start)[:, self._classifier.emotions.index(NEUTRAL)]
+        calm = np.maximum(2 * neutral - 1, 0.0)  # only windows that are more neutral than not
+        self._calm, self._sum = self._calm + float(calm.sum()), self._sum + calm @ features
+
+    @property
+    def value(self) -> _Array:
+        """The baseline now, shape (features,)."""
+        if self._calm == 0:
+            return self._start
+        weight = self._calm * WINDOW_STEP / WINDOW  # windows overlap
+        middle = self._sum / self._calm + FROM_NEUTRAL * self._classifier.from_neutral_
+        return np.asarray((weight * middle + FEW_TOGETHER * self._start) / (weight + FEW_TOGETHER))
 
 
 def likeliest_course(probabilities: _Array) -> NDArray[np.intp]:

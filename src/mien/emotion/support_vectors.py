@@ -108,6 +108,11 @@ class SupportVectors:
         # Of two classes scikit-learn turns the sign around; here a positive value speaks for the first of a pair.
         sign = -1.0 if len(self.classes_) == 2 else 1.0
         self.weights_, self.offsets_ = sign * self.weights_, sign * np.asarray(machine.intercept_, dtype=np.float64)
+        if self.kernel == "linear":  # the vectors of a plane add up to one, its normal
+            normals = self.weights_ @ self.vectors_
+            size = np.maximum(np.abs(normals).max(axis=1), 1e-12)
+            self.vectors_ = (normals / size[:, None]).astype(np.float16).astype(np.float64)
+            self.weights_ = np.diag(size)
         return self
 
     def _pairs(self) -> list[tuple[int, int]]:
@@ -209,7 +214,10 @@ def _pair_weights(dual: _Array, counts: NDArray[np.int32]) -> _Array:
 
 
 def _sigmoid(values: _Array, first: NDArray[np.bool_], second: NDArray[np.bool_]) -> tuple[float, float]:
-    """Platt's sigmoid by Newton's method with his softened targets (Lin, Lin, Weng 2007)."""
+    """Platt's sigmoid by Newton's method with his softened targets (Lin, Lin, Weng 2007); both classes count alike.
+
+    Which emotions are usual in a corpus of actors says nothing about the next voice.
+    """
     known = np.isfinite(values)
     first, second = first & known, second & known
     ahead, behind = int(first.sum()), int(second.sum())
@@ -218,18 +226,19 @@ def _sigmoid(values: _Array, first: NDArray[np.bool_], second: NDArray[np.bool_]
     f = np.concatenate([values[first], values[second]])
     target = np.concatenate([np.full(ahead, (ahead + 1) / (ahead + 2)), np.full(behind, 1 / (behind + 2))])
     design = np.stack([f, np.ones(len(f))], axis=1)
+    weight = np.concatenate([np.full(ahead, 0.5 / ahead), np.full(behind, 0.5 / behind)]) * (ahead + behind)
     found = np.zeros(2)
 
     def cost(ab: _Array) -> float:
         z = design @ ab
-        return float((target * z + np.logaddexp(0, -z)).sum())
+        return float((weight * (target * z + np.logaddexp(0, -z))).sum())
 
     for _ in range(100):
         p = 1 / (1 + np.exp(np.clip(design @ found, -500, 500)))
-        gradient = design.T @ (target - p)
+        gradient = design.T @ (weight * (target - p))
         if np.abs(gradient).max() < 1e-6:
             break
-        hessian = (design * (p * (1 - p))[:, None]).T @ design + 1e-10 * np.eye(2)
+        hessian = (design * (weight * p * (1 - p))[:, None]).T @ design + 1e-10 * np.eye(2)
         step, size = np.linalg.solve(hessian, gradient), 1.0
         while size > 1e-10 and cost(found - size * step) > cost(found) - 1e-4 * size * float(gradient @ step):
             size /= 2

@@ -195,7 +195,7 @@ def _held_out(
         learned_from = samples.where(_mask(known, len(truth)) & (learn_variations | (samples.variation == 0)))
         if set(learned_from.emotions) != set(classes):
             continue
-        cost = OWN_COST if samples.kind == VOICE else PAPER_COST
+        cost = None if samples.kind == VOICE else PAPER_COST
         learned = EmotionClassifier(samples.kind, cost=cost).fit(learned_from)
         probabilities[out], tested[out] = learned.probabilities(samples.features[out]), True
     return probabilities, classes, tested

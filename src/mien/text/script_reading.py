@@ -55,9 +55,7 @@ def read_script(text: str, library: CommandLibrary | None = None, source: str = 
     text = _NOT_IN_XML.sub(" ", text)
     if not is_document(text):
         written, held = with_long_tags(text, library.names)
-        script = _built(
-            read_tagged_text(written, {*ELEMENTS, *library.names}, source), library, source, collapse=False
-        )
+        script = _built(read_tagged_text(written, {*ELEMENTS, *library.names}, source), library, source, collapse=False)
         return replace(script, notes=(*script.notes, *(_unclosed(name, source) for name in held)))
     events = tuple(read_document(text, source))
     root = events[0]

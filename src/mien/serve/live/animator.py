@@ -18,6 +18,7 @@ from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
 from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
 from mien.pipeline.perform import blend
+from mien.serve.live.heard_emotion import HeardEmotion, HeardExpression
 from mien.speech.phone_stream import PhoneStream
 from mien.speech.streaming_features import RATE
 from mien.text.score import Score
@@ -48,12 +49,15 @@ class LiveSettings:
     score : Score
         Emotions that do not change with time.
     seed : int
+    hear_emotion : bool
+        Show the emotion that is heard in the voice (`mien.serve.live.heard_emotion`), in place of the score's.
     """
 
     look_ahead: float = DEFAULT_LOOK_AHEAD
     rate: FrameRate = field(default_factory=lambda: FrameRate.of(30))
     score: Score = field(default_factory=Score)
     seed: int = 0
+    hear_emotion: bool = False
 
     def __post_init__(self) -> None:
         if not SHORTEST_LOOK_AHEAD <= self.look_ahead <= LONGEST_LOOK_AHEAD:
@@ -61,6 +65,8 @@ class LiveSettings:
                 f"a look-ahead lies between {SHORTEST_LOOK_AHEAD * 1000:g} and {LONGEST_LOOK_AHEAD * 1000:g} ms, "
                 f"not {self.look_ahead * 1000:g}"
             )
+        if self.hear_emotion and self.score.emotions:
+            raise InputError("a live stream shows the emotion that it hears ('auto'), or one that is named: not both")
         for span in self.score.emotions:
             if span.start is not None or span.end is not None or not isinstance(span.intensity, (int, float)):
                 raise InputError(f"a live stream has no known length: give {span.name!r} one intensity throughout")
@@ -95,7 +101,12 @@ class LiveAnimator:
         self.stream = PhoneStream()
         self.phones, self.spoken = self.stream.phones(), np.zeros(len(channels.ALL))
         self._mouth = StreamingMouth(without_sound(performer.mouth), rate)
-        self._expression = endless_expression(performer.expression, self.settings.score, rate, random[0])
+        self._emotion = HeardEmotion() if self.settings.hear_emotion else None
+        self._expression = (
+            endless_expression(performer.expression, self.settings.score, rate, random[0])
+            if self._emotion is None
+            else HeardExpression(performer.expression, rate, random[0], self._emotion)
+        )
         self._idle = endless_idle(performer.idle, rate, random[1], self.settings.score)
         self._sealed_share = performer.expression.sealed_share
         self._warm_up(performer)
@@ -115,6 +126,8 @@ class LiveAnimator:
     def hear(self, samples: NDArray[np.floating]) -> None:
         """Take sound, 16 kHz, -1..1."""
         self.stream.push(samples)
+        if self._emotion is not None:
+            self._emotion.hear(samples)
 
     def frame(self, seconds: float) -> Floats:
         """The face at an instant of the sound, shape (channels,); call it once for each frame of the stream.
