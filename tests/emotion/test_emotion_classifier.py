@@ -240,3 +240,9 @@ def test_neutral_speech_of_another_corpus_mostly_stays_neutral(shared_data: Path
     files = sorted((shared_data / "grid-s1" / "audio").glob("*.flac"))[::45]
     kept = [default_classifier().read(read_audio(path)[0]).emotion == "neutral" for path in files]
     assert np.mean(kept) > 0.6
+
+
+def test_noise_is_no_voice(learned: EmotionClassifier) -> None:
+    noise = Audio(0.1 * np.random.default_rng(3).normal(size=2 * RATE), RATE)
+    reading = learned.read(noise)
+    assert (reading.emotion, reading.seconds, reading.probabilities["neutral"]) == ("neutral", 0.0, 1.0)

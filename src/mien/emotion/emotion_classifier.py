@@ -252,13 +252,11 @@ class EmotionClassifier:
     def _heard(self, audio: Audio) -> tuple[_Array, float]:
         """Features of a whole sound, and its seconds of speech."""
         frames = analyse(audio)
-        return features_of(frames if self.features == VOICE else audio, self.features), float(
-            frames.active.sum() * STEP
-        )
+        return features_of(frames if self.features == VOICE else audio, self.features), frames.seconds_of_speech
 
     def _read(self, audio: Audio, baseline: _Array) -> EmotionReading:
         frames = analyse(audio)
-        spoken = float(frames.active.sum() * STEP)
+        spoken = frames.seconds_of_speech
         if spoken < LEAST_SPEECH:
             silent = np.array([[float(name == NEUTRAL) for name in self.emotions]])
             return self.reading(silent, np.zeros(1), spoken)
@@ -327,7 +325,7 @@ def windows(frames: SpeechFrames) -> list[tuple[float, SpeechFrames]]:
     end = frames.start + STEP * len(frames)
     starts = np.arange(frames.start, max(end - WINDOW, frames.start) + WINDOW_STEP, WINDOW_STEP)
     found = [(float(start + WINDOW / 2), frames.between(start, start + WINDOW)) for start in starts]
-    spoken = [pair for pair in found if pair[1].active.sum() * STEP >= LEAST_SPEECH]
+    spoken = [pair for pair in found if pair[1].seconds_of_speech >= LEAST_SPEECH]
     return spoken or [((frames.start + end) / 2, frames)]
 
 

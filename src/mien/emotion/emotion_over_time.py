@@ -78,7 +78,7 @@ def read_over_time(
     """
     classifier = classifier or default_classifier()
     frames = analyse(audio)
-    if classifier.features != VOICE or frames.active.sum() * STEP <= LONGEST_WHOLE:
+    if classifier.features != VOICE or frames.seconds_of_speech <= LONGEST_WHOLE:
         return (EmotionStretch(0.0, audio.duration, classifier.read(audio, baseline)),)
     start = classifier.neutral_baseline(baseline)
     placed = windows(frames)
@@ -94,7 +94,7 @@ def read_over_time(
     stretches = []
     for number, (first, after) in enumerate(pairwise(edges)):
         begin, end = bounds[number], bounds[number + 1]
-        spoken = float(frames.between(begin, end).active.sum() * STEP)
+        spoken = frames.between(begin, end).seconds_of_speech
         reading = classifier.reading(probabilities[first:after], activation[first:after], spoken)
         stretches.append(EmotionStretch(begin, end, reading))
     return tuple(stretches)
@@ -185,7 +185,7 @@ def _intensity(frames: SpeechFrames, stretch: EmotionStretch) -> float | Intensi
     """The reading's intensity, up to a quarter more or less where the voice is louder and higher than on the whole."""
     base = stretch.reading.intensity
     times = np.arange(stretch.start, stretch.end, _POINTS)
-    if len(times) < 3 or frames.active.sum() * STEP < LEAST_SPEECH:
+    if len(times) < 3 or frames.seconds_of_speech < LEAST_SPEECH:
         return base
     middles = frames.start + STEP * np.arange(len(frames))
     height = frames.semitones - np.nanmedian(frames.semitones) if np.isfinite(frames.semitones).any() else frames.level

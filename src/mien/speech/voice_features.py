@@ -32,6 +32,7 @@ _BAND_LOW, _BAND_HIGH = 80.0, 6500.0
 _SPEECH_RANGE_DB = 32.0
 _FLOOR_DB = -80.0
 _FEWEST = 8
+_LEAST_VOICED = 0.05  # share of what is loud enough to be speech
 _OF_THE_ROOM = ("mfcc3", "centroid", "low", "air")  # whose means differ more between two studios than between moods
 _Array = NDArray[np.float64]
 
@@ -68,6 +69,13 @@ class SpeechFrames:
 
     def __len__(self) -> int:
         return len(self.level)
+
+    @property
+    def seconds_of_speech(self) -> float:
+        """Seconds with speech; none where next to nothing is voiced: noise, a hum, clicks (and a whisper)."""
+        voiced = float((np.isfinite(self.semitones) & self.active).sum())
+        active = float(self.active.sum())
+        return active * STEP if voiced > _LEAST_VOICED * active else 0.0
 
     def between(self, start: float, end: float) -> SpeechFrames:
         """The frames from ``start`` to ``end`` seconds of the sound; levels stay relative to the whole."""

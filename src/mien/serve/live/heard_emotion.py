@@ -24,7 +24,7 @@ from mien.emotion.emotion_samples import VOICE, features_of
 from mien.motion.expression.endless_motion import EndlessMotion, endless_expression
 from mien.motion.performer import ExpressionModel
 from mien.speech.streaming_features import RATE
-from mien.speech.voice_features import STEP, analyse
+from mien.speech.voice_features import analyse
 from mien.text.score import EmotionSpan, Score
 
 __all__ = ["HeardEmotion", "HeardExpression"]
@@ -75,7 +75,7 @@ class HeardEmotion:
 
     def _read(self, audio: Audio) -> tuple[str, float]:
         frames = analyse(audio)
-        spoken = float(frames.active.sum() * STEP)
+        spoken = frames.seconds_of_speech
         if spoken < LEAST_SPEECH:
             self._rows.clear()
             return NEUTRAL, 0.0
