@@ -45,7 +45,7 @@ FEW_TOGETHER = 3
 """As many other sounds of a speaker move the baseline half as far as a great many would."""
 FROM_NEUTRAL = 0.4
 """How far the middle of a speaker's moods lies from neutral on the way to the mean of all emotions. Set by hand."""
-MOST_NEUTRAL_WRONG, MOST_WRONG = 0.004, 0.2
+MOST_NEUTRAL_WRONG, MOST_WRONG = 0.004, 0.1
 """Of neutral recordings of speakers held out so many at most get an emotion; of what gets it so many may be another."""
 _CEPSTRUM = "mfcc"
 """Features with this in their names are left out: they tell speakers, rooms and languages better than moods."""
@@ -145,7 +145,7 @@ class EmotionClassifier:
         self.cost = cost if cost is not None else COSTS[self.kernel]
 
     def fit(self, samples: EmotionSamples, about: Mapping[str, str] | None = None) -> Self:
-        """Learn from samples of several speakers, each speaker's less the mean of their emotions (see `_taught`).
+        """Learn from samples of several speakers, each less the mean of its speaker's emotions, and again weaker.
 
         A wrong face is worse than none: an emotion's threshold is the lowest at which few enough neutral recordings of
         speakers held out get it (`MOST_NEUTRAL_WRONG`), and few enough of those that get it have another
@@ -165,7 +165,7 @@ class EmotionClassifier:
         neutral = np.array(samples.emotions) == NEUTRAL
         self.from_neutral_ = -distances[neutral].mean(axis=0) if own and neutral.any() else np.zeros(len(names))
         self.machine_ = SupportVectors(self.kernel, self.cost, "spread" if own else "range", balanced=own)
-        taught = _taught(samples, distances, self.usual_) if own else (distances, samples.emotions, samples.speakers)
+        taught = _with_weaker(samples, distances) if own else (distances, samples.emotions, samples.speakers)
         self.machine_.fit(taught[0][:, self.columns_], *taught[1:])
         self.machine_.held_out_probabilities_ = self.machine_.held_out_probabilities_[: len(samples)]
         self.thresholds_ = _thresholds(self.machine_, samples.emotions)
@@ -397,28 +397,21 @@ def _beside_speakers(samples: EmotionSamples) -> tuple[_Array, _Array]:
     return usual, distances
 
 
-def _taught(
-    samples: EmotionSamples, distances: _Array, usual: _Array
-) -> tuple[_Array, tuple[str, ...], tuple[str, ...]]:
-    """What a machine learns from: each sample beside its speaker and as one of a speaker unknown; and both weaker.
+def _with_weaker(samples: EmotionSamples, distances: _Array) -> tuple[_Array, tuple[str, ...], tuple[str, ...]]:
+    """Distances, emotions and speakers of the samples, and after them of the same acted at `WEAKER` of their strength.
 
-    ``distances`` come first, as they are. A sample acted at `WEAKER` of its strength is made on the line from its
-    speaker's neutral middle; speakers who were never neutral have no weaker ones.
+    These lie on the line from their speaker's neutral middle; speakers who were never neutral have none.
     """
     emotions, speakers = np.array(samples.emotions), np.array(samples.speakers)
-    rows, names, groups = [], [], []
-    for values in (distances, samples.features - usual):
-        rows.append(values)
-        names.append(emotions)
-        groups.append(speakers)
-        for speaker in np.unique(speakers):
-            theirs = speakers == speaker
-            calm, felt = theirs & (emotions == NEUTRAL), theirs & (emotions != NEUTRAL)
-            if calm.any() and felt.any():
-                middle = values[calm].mean(axis=0)
-                rows.append(middle + WEAKER * (values[felt] - middle))
-                names.append(emotions[felt])
-                groups.append(speakers[felt])
+    rows, names, groups = [distances], [emotions], [speakers]
+    for speaker in np.unique(speakers):
+        theirs = speakers == speaker
+        calm, felt = theirs & (emotions == NEUTRAL), theirs & (emotions != NEUTRAL)
+        if calm.any() and felt.any():
+            middle = distances[calm].mean(axis=0)
+            rows.append(middle + WEAKER * (distances[felt] - middle))
+            names.append(emotions[felt])
+            groups.append(speakers[felt])
     return np.concatenate(rows), tuple(np.concatenate(names).tolist()), tuple(np.concatenate(groups).tolist())
 
 

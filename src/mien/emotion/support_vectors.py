@@ -21,6 +21,8 @@ __all__ = ["Kernel", "SupportVectors", "couple", "held_out_folds"]
 
 Kernel = Literal["linear", "radial"]
 _MOST_FOLDS = 10
+_REACH = {"spread": 2.0, "range": 60.0}
+"""How far from the middle a scaled feature counts: what is odder than two spreads is another room, or a fault."""
 _Array = NDArray[np.float64]
 
 
@@ -42,6 +44,8 @@ class SupportVectors:
     ----------
     classes_ : tuple of str
     centre_, scale_ : ndarray, shape (features,)
+    reach_ : float
+        Scaled features are cut off there.
     vectors_ : ndarray, shape (vectors, features)
     weights_ : ndarray, shape (pairs, vectors)
     offsets_ : ndarray, shape (pairs,)
@@ -92,6 +96,7 @@ class SupportVectors:
 
         self.classes_ = tuple(str(name) for name in np.unique(names))
         self.centre_, self.scale_ = _scaling(features, self.scaling)
+        self.reach_ = _REACH[self.scaling]
         scaled = self.scaled(features)
         spread = float(scaled.var())
         # scikit-learn's default width ("scale"); libsvm's own, one over the number of features, is close to it here.
@@ -109,10 +114,7 @@ class SupportVectors:
         sign = -1.0 if len(self.classes_) == 2 else 1.0
         self.weights_, self.offsets_ = sign * self.weights_, sign * np.asarray(machine.intercept_, dtype=np.float64)
         if self.kernel == "linear":  # the vectors of a plane add up to one, its normal
-            normals = self.weights_ @ self.vectors_
-            size = np.maximum(np.abs(normals).max(axis=1), 1e-12)
-            self.vectors_ = (normals / size[:, None]).astype(np.float16).astype(np.float64)
-            self.weights_ = np.diag(size)
+            self.vectors_, self.weights_ = self.weights_ @ self.vectors_, np.eye(len(self.offsets_))
         return self
 
     def _pairs(self) -> list[tuple[int, int]]:
@@ -121,7 +123,7 @@ class SupportVectors:
     def scaled(self, features: _Array) -> _Array:
         """Features on one scale, as the machine sees them; shape (samples, features)."""
         # On a grid of half precision, in which vectors are stored: what is loaded is what was learned.
-        scaled = np.clip((features - self.centre_) / self.scale_, -60.0, 60.0)
+        scaled = np.clip((features - self.centre_) / self.scale_, -self.reach_, self.reach_)
         return np.asarray(scaled.astype(np.float16).astype(np.float64))
 
     def decisions(self, features: _Array) -> _Array:
@@ -158,7 +160,8 @@ class SupportVectors:
             "classes": np.array(self.classes_),
             "centre": self.centre_,
             "scale": self.scale_,
-            "vectors": self.vectors_.astype(np.float16),
+            "reach": np.array(self.reach_),
+            "vectors": self.vectors_.astype(np.float64 if self.kernel == "linear" else np.float16),
             "weights": self.weights_,
             "offsets": self.offsets_,
             "sigmoids": self.sigmoids_,
@@ -172,6 +175,7 @@ class SupportVectors:
         made = cls(kernel)
         made.classes_ = tuple(str(name) for name in arrays["classes"])
         made.centre_, made.scale_ = arrays["centre"], arrays["scale"]
+        made.reach_ = float(arrays.get("reach", np.array(60.0)))
         made.vectors_ = arrays["vectors"].astype(np.float64)
         made.weights_, made.offsets_ = arrays["weights"], arrays["offsets"]
         made.sigmoids_, made.gamma_ = arrays["sigmoids"], float(arrays["gamma"])
