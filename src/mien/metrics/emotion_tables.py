@@ -24,7 +24,7 @@ __all__ = ["Judgement", "emotion_tables", "expected_calibration_error"]
 COEFFICIENTS = (50, 100, 500, 1000)
 KERNELS: tuple[Kernel, ...] = ("linear", "radial")
 VARIATIONS = 4
-OWN_COST, PAPER_COST = 0.5, 1.0
+PAPER_COST = 1.0
 _BINS = 10
 Progress = Callable[[int, int], None]
 
