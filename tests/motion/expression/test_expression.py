@@ -116,7 +116,7 @@ def test_a_span_comes_and_goes() -> None:
     brow = channel(performed(EmotionSpan("surprised", 1.0, start=1.0, end=3.0)), "browOuterUpLeft")
     calm = channel(performed(), "browOuterUpLeft")
     np.testing.assert_allclose(brow[[0, -1]], calm[[0, -1]], atol=1e-9)
-    assert brow[60] > 0.5
+    assert brow[60] > 0.45
     assert np.abs(np.diff(brow)).max() < 0.3
 
 
