@@ -31,7 +31,7 @@ def test_say_and_animate_lay_them_on_and_tell_what_is_lost(tmp_path, layer, caps
     spoken, heard = tmp_path / "spoken.json", tmp_path / "heard.json"
     said = ["say", "I never said that.", "--voice", "espeak", *PLAIN, "--edits", layer]
     assert main([*said, "-o", str(spoken), "--also", str(tmp_path / "line.wav")]) == 0
-    assert "mien: warning: edit 2 (border) is not laid on" in capsys.readouterr().err
+    assert "mien: warning: edit 2 (border) cannot be applied" in capsys.readouterr().err
     recorded = ["animate", str(tmp_path / "line.wav"), "--text", "I never said that.", *PLAIN, "--edits", layer]
     assert main([*recorded, "-o", str(heard)]) == 0
     for path in (spoken, heard):

@@ -375,5 +375,5 @@ def _performer(animation: Animation, performer: Performer | str | Path | None) -
         if performer is not None:
             raise
         raise InputError(
-            f"the animation was made by the performer {asked!r}, which is not at hand: name one with --performer"
+            f"the animation was made by the performer {asked!r}, which is not available: name one with --performer"
         ) from problem

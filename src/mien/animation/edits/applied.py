@@ -85,5 +85,5 @@ def lost_notes(layer: EditLayer, lost: tuple[Lost, ...]) -> tuple[Note, ...]:
     for loss in lost:
         point = "" if loss.point is None else f", point {loss.point + 1}"
         kind = type(layer.edits[loss.edit]).__name__.removesuffix("Edit").lower()
-        told.append(Note("warning", f"edit {loss.edit + 1} ({kind}{point}) is not laid on: {loss.why}"))
+        told.append(Note("warning", f"edit {loss.edit + 1} ({kind}{point}) cannot be applied: {loss.why}"))
     return tuple(told)
