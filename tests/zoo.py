@@ -317,7 +317,7 @@ def ready_player_me(folder: Path) -> Animal:
     made.avatar(made.mesh(names, "sparse", "Wolf3D_Head"))
     teeth = made.mesh(names, "sparse", "Wolf3D_Teeth")
     made.put("nodes", {"name": "Wolf3D_Teeth", "mesh": teeth})
-    return Animal(made.glb(folder / "rpm.glb"), {**same(ARKIT), **same(ARKIT, 1)}, TURNS)
+    return Animal(made.glb(folder / "rpm.glb"), {**same(ARKIT), **same(ARKIT, 1)}, TURNS | {"Neck"})
 
 
 def ready_player_me_small(folder: Path) -> Animal:
@@ -358,7 +358,9 @@ def ready_player_me_small(folder: Path) -> Animal:
         (0, place["U"]): {"mouthPucker": 1.0},
     }
     return Animal(
-        made.glb(folder / "rpm_small.glb"), moves | {(0, 16): {"mouthSmileLeft": 0.5, "mouthSmileRight": 0.5}}, TURNS
+        made.glb(folder / "rpm_small.glb"),
+        moves | {(0, 16): {"mouthSmileLeft": 0.5, "mouthSmileRight": 0.5}},
+        TURNS | {"Neck"},
     )
 
 

@@ -23,6 +23,7 @@ from mien.face.posing import head_rotation
 __all__ = ["turns_of_nodes"]
 
 Floats = NDArray[np.float64]
+_NECK = 0.35  # of the head's turn, where there is a neck to take it; hand-made
 
 
 def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Floats], tuple[Note, ...]]:
@@ -57,9 +58,12 @@ def turns_of_nodes(track: ChannelTrack, face: ForeignFace) -> tuple[dict[int, Fl
 
 
 def turns_of_parts(track: ChannelTrack, face: ForeignFace) -> dict[str, Floats]:
-    """Matrices of head, eyes and jaw in every frame, shape (frames, 3, 3), in a face's own axes (z forward)."""
+    """Matrices of head, neck, eyes and jaw in every frame, shape (frames, 3, 3), in a face's own axes (z forward)."""
     angles = track.select(("headYaw", "headPitch", "headRoll")).values
     turns = {"head": np.array([head_rotation(*row) for row in angles]).reshape(-1, 3, 3)}
+    if "neck" in face.turning.nodes:  # the head's turn in the world stays what it is
+        turns["neck"] = np.array([head_rotation(*(_NECK * row)) for row in angles]).reshape(-1, 3, 3)
+        turns["head"] = turns["neck"].transpose(0, 2, 1) @ turns["head"]
     degrees, jaw = face.turning.degrees, name_tables()["jaw"]
     across, down = (track.select(names).values for names in (("jawLeft", "jawRight"), ("jawOpen",)))
     swing, drop = jaw["Side"] * (across[:, 0] - across[:, 1]), -jaw["Open"] * down[:, 0]

@@ -8,16 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mien.core.channels import WEIGHTS
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.face.foreign.drawn import drawn_face
 from mien.face.foreign.foreign_report import face_report
-from mien.face.foreign.gltf_document import read_gltf
+from mien.face.foreign.gltf_document import GltfDocument, read_gltf
 from mien.face.foreign.known_face import known_face
+from mien.face.foreign.recognition import foreign_face
 from mien.face.foreign.rig_nodes import world_matrices
+from mien.face.posing import head_rotation
 from mien.formats.driven_glb import drive_glb
+from mien.formats.turning_nodes import turns_of_nodes
 
 
 @pytest.fixture
@@ -104,3 +108,19 @@ def test_arms_come_down_unless_kept(avatar):
     world = world_matrices(foreign.document, lowered_arms(foreign.document, foreign.turning.nodes))
     assert world[5][1, 3] < world[4][1, 3] - 0.25
     assert world[7][1, 3] < world[6][1, 3] - 0.25
+
+
+def test_the_neck_takes_a_share_of_the_heads_turn(avatar):
+    document = json.loads(avatar.read_bytes()[20 : 20 + struct.unpack_from("<I", avatar.read_bytes(), 12)[0]])
+    document["nodes"][0]["children"] = [8, 4, 6]
+    document["nodes"].append({"name": "mixamorig:Neck", "children": [1], "rotation": [0, 0.7071068, 0, 0.7071068]})
+    document["nodes"][1]["rotation"] = [0, -0.7071068, 0, 0.7071068]
+    path = avatar.with_suffix(".gltf")
+    path.write_text(json.dumps(document | {"buffers": []}))
+    face = foreign_face(GltfDocument(path, document))
+    track = ChannelTrack(("headYaw", "headPitch"), [[20.0, 10.0]], FrameRate.of(30))
+    turned, _ = turns_of_nodes(track, face)
+    neck, head = (Rotation.from_quat(turned[number][0]) for number in (8, 1))
+    whole = (neck * head).as_matrix()
+    np.testing.assert_allclose(whole, head_rotation(20.0, 10.0, 0.0), atol=1e-6)
+    assert 0.3 * 22 < np.degrees((neck * Rotation.from_euler("y", -90, degrees=True)).magnitude()) < 0.4 * 23

@@ -10,6 +10,8 @@ import pytest
 from mien.cli.main import main
 from mien.core.errors import InputError
 from mien.face.deformers import deformed_by
+from mien.face.foreign.drawn import drawn_face
+from mien.face.foreign.known_face import known_face
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.face.tree_posing import TreePoser
@@ -22,6 +24,7 @@ def test_a_glb_is_moved_by_the_tree_of_its_targets(tmp_path: Path) -> None:
     named = {name for part in face.parts for name in part.targets}
     assert {"jawOpen", "mouthSmileLeft"} <= named
     assert not any(" " in part.name for part in face.parts)
+    assert len(drawn_face(known_face(path)).origins) == len(face.parts)
     by_tree = deformed_by(face, "tree")
     for row in ([1.0, 0.0], [0.0, 1.0]):
         names = ["jawOpen", "mouthSmileLeft"]

@@ -49,11 +49,14 @@ class DrawnFace:
     foreign : ForeignFace
     notes : tuple of str
         What is not drawn as the file has it.
+    origins : tuple of (int, int)
+        Of each part, the numbers of its mesh in the file and of its primitive in that.
     """
 
     face: Face
     foreign: ForeignFace
     notes: tuple[str, ...]
+    origins: tuple[tuple[int, int], ...]
 
     def track(self, channels: ChannelTrack) -> ChannelTrack:
         """Weights of its targets, and turns of head and eyes, from mien's channels."""
@@ -157,7 +160,8 @@ def drawn_face(foreign: ForeignFace, *, pictures: bool = True) -> DrawnFace:
     asset = document.json.get("asset")
     licence = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     face = Face(name, tuple(parts), tuple(eyes), pivot, {}, licence)
-    return DrawnFace(face, foreign, tuple(dict.fromkeys(surfaces.faults)))
+    notes = tuple(dict.fromkeys(surfaces.faults))
+    return DrawnFace(face, foreign, notes, tuple(piece.origin for piece in pieces))
 
 
 def _shown(foreign: ForeignFace) -> list[int]:

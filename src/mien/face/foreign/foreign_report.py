@@ -22,7 +22,7 @@ __all__ = [
     "FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face", "names_table",
 ]  # fmt: skip
 
-_TURNING = {**PARTS, "jaw": "jaw", "armLeft": "left arm", "armRight": "right arm"}
+_TURNING = {**PARTS, "neck": "neck", "jaw": "jaw", "armLeft": "left arm", "armRight": "right arm"}
 _LYING = 0.25
 """A target that moves less like the channel of its name than this cosine, and surely like another, lies."""
 
@@ -238,7 +238,7 @@ def face_report(face: ForeignFace) -> FaceReport:
     nodes = {
         part: str(document.list_of("nodes")[node].get("name", ""))
         for part, node in face.turning.nodes.items()
-        if part in PARTS or (part == "jaw" and face.jaw_turns) or node in lowered
+        if part in PARTS or part == "neck" or (part == "jaw" and face.jaw_turns) or node in lowered
     }
     asset = document.json.get("asset")
     version = is_vrm(document)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,8 @@ class Piece:
         "Left" or "Right" where the whole piece turns with that eye's node; else "".
     targets : mapping of str to (rows, offsets)
         What each driven target moves at weight 1; shapes (k,) and (k, 3).
+    origin : tuple of int
+        Numbers of its mesh in the file and of its primitive in that.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Piece:
     head_weight: Floats
     eye: str = ""
     targets: Mapping[str, tuple[Rows, Floats]] = field(default_factory=dict)
+    origin: tuple[int, int] = (0, 0)
 
 
 def pieces_of_node(
@@ -75,7 +78,7 @@ def pieces_of_node(
     facts = document.list_of("nodes")[node]
     mesh = document.list_of("meshes")[facts["mesh"]]
     pieces: list[Piece] = []
-    for primitive in mesh["primitives"]:
+    for number, primitive in enumerate(mesh["primitives"]):
         if primitive.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP, _FAN):
             continue  # points and lines
         surface = surfaces.surface(primitive.get("material"))
@@ -85,7 +88,8 @@ def pieces_of_node(
         told = spelling(f"{name} {facts.get('name', '')} {surface.material.name}")
         if any(word in told for word in name_tables()["not_drawn"]):
             continue
-        pieces += _split_eyes(*_piece(foreign, node, primitive, world, reader, surface, name))
+        some = _split_eyes(*_piece(foreign, node, primitive, world, reader, surface, name))
+        pieces += [replace(piece, origin=(facts["mesh"], number)) for piece in some]
     return pieces
 
 

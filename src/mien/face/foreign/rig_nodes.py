@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 PARTS = {"head": "head", "eyeLeft": "left eye", "eyeRight": "right eye"}
 """What should turn on any face, in words."""
 _HANGING = 0.8  # of an arm's length: lower hands hang already
-_FOUND = (*PARTS, "jaw", "armLeft", "armRight")
+_FOUND = (*PARTS, "neck", "jaw", "armLeft", "armRight")
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Turning:
     Attributes
     ----------
     nodes : mapping of str to int
-        Nodes for ``head``, ``eyeLeft`` and ``eyeRight`` (the speaker's own), ``jaw``, ``armLeft`` and ``armRight``, as
-        far as there are any.
+        Nodes for ``head``, ``neck``, ``eyeLeft`` and ``eyeRight`` (the speaker's own), ``jaw``, ``armLeft`` and
+        ``armRight``, as far as there are any.
     by_shapes : tuple of str
         Those of the eyes that have nodes and are not turned by them, because shapes of the eyeballs do it.
     degrees : mapping of str to float
@@ -58,6 +58,10 @@ def turning_nodes(document: GltfDocument, own: OwnNames | None = None) -> Turnin
     own = own or OwnNames()
     nodes = _by_names(document) | vrm_bones(document) | _own_nodes(document, own)
     nodes = {part: node for part, node in nodes.items() if part in _FOUND}
+    if "neck" in nodes and (
+        "head" not in nodes or nodes["head"] not in set(document.below(nodes["neck"])) - {nodes["neck"]}
+    ):
+        del nodes["neck"]
     degrees = {**name_tables()["eyes"], **vrm_eye_degrees(document), **own.eyes}
     return Turning(nodes, degrees, _facing(document, nodes, own))
 

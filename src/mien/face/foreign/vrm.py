@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 _PARTS = {
-    "head": "head", "leftEye": "eyeLeft", "rightEye": "eyeRight", "jaw": "jaw",
+    "head": "head", "neck": "neck", "leftEye": "eyeLeft", "rightEye": "eyeRight", "jaw": "jaw",
     "leftUpperArm": "armLeft", "rightUpperArm": "armRight",
 }  # fmt: skip
 _RANGES = {  # of VRM 1 and VRM 0
