@@ -158,8 +158,8 @@ def _zones(paint: _Paint) -> None:
     red, pale, lid = paint.zone("red"), paint.zone("pale"), paint.zone("lid")
     flush = 1.0 + 0.35 * person.ageing - 0.3 * person.tone
     uneven = 1 + 0.5 * layered_noise(paint.sheet.place, 13.0, person.seed + 5, layers=2)
-    paint.mix(0.36 * flush * uneven * spot(cheek[0] - 2, cheek[1] + 6, cheek[2] + 6, (21, 17, 40)), red)
-    paint.mix(0.42 * flush * uneven * spot(0, nose[1], nose[2], (15, 10, 13)), red)
+    paint.mix(0.24 * flush * uneven * spot(cheek[0] - 2, cheek[1] + 6, cheek[2] + 6, (21, 17, 40)), red)
+    paint.mix(0.34 * flush * uneven * spot(0, nose[1], nose[2], (15, 10, 13)), red)
     paint.mix(0.34 * flush * spot(13, nose[1] - 6, nose[2] - 16, (6, 6, 9)), red)
     paint.mix(0.24 * flush * uneven * spot(0, chin[1], chin[2], (18, 12, 20)), red)
     paint.mix(0.55 * paint.sheet.ears, red)
