@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.face.cast.beard import beard_part
 from mien.face.cast.eyes import iris_picture, wet_line
-from mien.face.cast.hair import beard_part, hair_parts
+from mien.face.cast.hair import hair_parts
 from mien.face.cast.noise import smoothstep
 from mien.face.cast.people import head_weights
 from mien.face.cast.person import Person, looks
