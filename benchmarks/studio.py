@@ -34,7 +34,7 @@ LONG = (
     "The rainbow is a division of white light into many beautiful colours. These take the shape of a long round arch, "
     "with its path high above, and its two ends apparently beyond the horizon."
 )
-TIMES = 7
+TIMES = 5
 THINGS = (
     "river",
     "stone",
@@ -158,8 +158,8 @@ def measured(studio: Studio, line: str) -> dict[str, Any]:
         return median(studio, lambda _: typed(number), 1)
 
     spent: dict[str, Any] = {
-        "typed to frames (voice and motion)": median(studio, typed, 5),
-        f"the same, {PAUSE:g} s after the last letter": tuple(np.median([prepared(5 + n) for n in range(5)], axis=0)),
+        "typed to frames (voice and motion)": median(studio, typed, 3),
+        f"the same, {PAUSE:g} s after the last letter": tuple(np.median([prepared(3 + n) for n in range(3)], axis=0)),
     }
     take = studio.take(text=line, emotion="happy")
     told = json.loads(studio.ask("GET", f"/api/takes/{take}"))

@@ -13,7 +13,21 @@ try {
   page.setDefaultTimeout(300_000);
   const idle = async (wait = 1500) => { await page.waitForFunction(() => document.querySelector('.told').childElementCount === 0); await page.waitForTimeout(wait); };
   const shot = async (name) => { await page.screenshot({ path: join(folder, `studio${name}.jpg`), type: 'jpeg', quality: 82 }); console.log(name || 'studio'); };
-  const seek = async (share) => { const box = await page.locator('.wave .body').boundingBox(); await page.mouse.click(box.x + box.width * share, box.y + 20); await page.waitForTimeout(1200); };
+  /** To the moment in the second half at which the mouth is widest open and the eyes are. */
+  const seek = async () => {
+    const share = await page.evaluate(() => {
+      const { channels, values } = window.mienStats.shown();
+      const [width, frames] = [channels.length, values.length / channels.length];
+      const at = (frame, name) => values[frame * width + channels.indexOf(name)];
+      const worth = (frame) => at(frame, 'jawOpen') - 5 * at(frame, 'eyeBlinkLeft');
+      let best = Math.round(frames / 2);
+      for (let frame = best; frame < 0.85 * frames; frame++) if (worth(frame) > worth(best)) best = frame;
+      return best / frames;
+    });
+    const box = await page.locator('.wave .body').boundingBox();
+    await page.mouse.click(box.x + 12 + (box.width - 24) * share, box.y + 20);
+    await page.waitForTimeout(1200);
+  };
 
   await page.goto(`${address}?quality=full`);
   await page.waitForSelector('body[data-ready]');
@@ -34,7 +48,7 @@ try {
     await page.getByRole('menuitemradio', { name: tangent }).click();
     await idle(300);
   }
-  await seek(0.66);
+  await seek();
   await shot('');
   await page.fill('#field-text', 'I never said that. [sad] Maybe five people <');
   await page.locator('#field-text').press('End');

@@ -65,7 +65,7 @@ export class HeadPanel {
 
   private tell(): void {
     this.list.replaceChildren(...Object.entries(this.head?.landmarks ?? {}).map(([name, { words }]) =>
-      make('li', { class: this.moved.has(name) ? 'moved' : '' }, `${words}${this.moved.has(name) ? ': moved' : ''}`)));
+      make('li', { class: this.moved.has(name) ? 'moved' : '', title: words }, `${name.replaceAll('_', ' ')}${this.moved.has(name) ? ': moved' : ''}`)));
   }
 
   /** A point near the pointer is dragged over the surface. */
