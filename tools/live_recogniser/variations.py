@@ -25,17 +25,17 @@ class Line:
     speaker: str
 
 
-def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semitones: float) -> tuple[Line, float]:
-    """A variation and the warp of the mel scale with which to hear it.
+def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semitones: float) -> Line:
+    """A variation.
 
-    A quarter stay as they are but for the level and the warp. Otherwise pitch, resonances and pace move together by
-    up to ``semitones`` (resampling), the resonances alone by up to 15 % more (the warp); a filter colours the sound,
+    A quarter stay as they are but for the level. Otherwise pitch, resonances and pace move together by
+    up to ``semitones`` (resampling); a filter colours the sound,
     one in six goes through a telephone, one in three has a room; noise (white, pink, hum or others' speech) lies 0 to
     40 dB below, below 20 in three of five; peaks lie at full scale and below, 12 dB in the mean; one in ten is clipped.
     """
     if random.random() < 0.25:
         sound = line.samples / max(np.abs(line.samples).max(), 1e-6) * 10 ** (-random.uniform(0, 30) / 20)
-        return replace(line, samples=sound), float(random.uniform(0.9, 1.12))
+        return replace(line, samples=sound)
     factor = 2 ** (random.uniform(-semitones, semitones) / 12)
     sound = soxr.resample(line.samples, RATE, RATE * factor) if semitones else line.samples.copy()
     before, after = (int(RATE * random.uniform(0.1, 1.2)) for _ in range(2))
@@ -54,10 +54,8 @@ def varied(line: Line, others: Sequence[Line], random: np.random.Generator, semi
     if random.random() < 0.1:
         sound = np.clip(sound * random.uniform(1.5, 6), -1, 1)
     sound = np.round((sound + random.uniform(-0.02, 0.02)) * 32767) / 32767
-    moved = Line(
-        sound, line.labels, line.starts * factor + before / RATE, line.ends * factor + before / RATE, line.speaker
-    )
-    return moved, float(random.uniform(0.87, 1.15))
+    starts, ends = (times * factor + before / RATE for times in (line.starts, line.ends))
+    return Line(sound, line.labels, starts, ends, line.speaker)
 
 
 def coloured(sound: Floats, random: np.random.Generator) -> Floats:

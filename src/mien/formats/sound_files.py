@@ -28,8 +28,8 @@ KEPT_RATE = 48_000
 SHORTEST = 0.02
 """Seconds; less than this is no sound that anything could speak."""
 _TELEPHONE_RATE = 11_025
-_BLOCK = 2**20  # samples, all channels together, decoded at a time
-_LONG = 1800  # seconds from which on 32 bits a sample are kept until the end, not 64: three hours fit into memory
+_BLOCK = 2**19  # samples, all channels together, decoded at a time
+_LONG = 120  # seconds from which on 32 bits a sample are kept until the end, not 64: hours fit into memory
 _OFFSET = 0.02  # of full scale; less is what converters add
 _FULL = 1.0 - 2.0**-14
 _CLIPPED = 0.002  # share of the samples
@@ -128,7 +128,8 @@ def _read(path: Path) -> tuple[Audio, tuple[Note, ...]]:
     if len(mono) < SHORTEST * rate:
         raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got {len(mono) / rate:.3f} s")
     mono = _within_scale(mono, path, notes)
-    audio = Audio(mono, rate)
+    audio = Audio.taking(mono, rate) if mono.dtype == np.float32 else Audio(mono, rate)
+    del mono
     if rate > KEPT_RATE:
         notes.append(Note("note", f"{path.name} is sampled at {rate} Hz: brought to {KEPT_RATE} Hz"))
         audio = audio.resampled(KEPT_RATE)
@@ -145,12 +146,12 @@ def _within_scale(mono: Samples, path: Path, notes: list[Note]) -> Samples:
     offset = float(mono.mean(dtype=np.float64))
     if abs(offset) > _OFFSET:
         notes.append(Note("note", f"{path.name} has a constant offset of {offset:+.2g} of full scale: taken out"))
-        mono = mono - mono.dtype.type(offset)
+        mono -= mono.dtype.type(offset)
     loudest = float(max(mono.max(), -mono.min()))
     if loudest > 1.0:
         if clipped <= _CLIPPED:
             notes.append(Note("note", f"{path.name} peaks at {loudest:.3g} of full scale: turned down to fit"))
-        mono = mono / mono.dtype.type(loudest)
+        mono /= mono.dtype.type(loudest)
     return mono
 
 
@@ -166,7 +167,7 @@ def _clipped(mono: Samples) -> float:
 
 def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples, _Sum]:
     """One channel, or the average of all, decoded block by block."""
-    parts: list[Samples] = []
+    kept = np.zeros(0)
     about: _Sum | None = None
     for block, rate in _blocks(path, notes):
         if about is None:
@@ -182,12 +183,13 @@ def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples,
         about.take(block)
         check_size("hours", about.count / rate / 3600, path)
         one = block.mean(axis=1) if channel is None else block[:, channel]
-        parts.append(one.astype(np.float64 if about.count <= _LONG * rate else np.float32))
+        if about.count > _LONG * rate and kept.dtype == np.float64:
+            kept = kept.astype(np.float32)
+        kept.resize(about.count, refcheck=False)  # grows where it is: nothing of an hour is held twice
+        kept[about.count - len(one) :] = one
     if about is None:
         raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got none")
-    if len({part.dtype for part in parts}) > 1:
-        parts = [part.astype(np.float32) for part in parts]
-    return np.concatenate(parts), about
+    return kept, about
 
 
 def _existing(path: Path) -> Path:

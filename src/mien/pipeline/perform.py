@@ -40,6 +40,7 @@ from mien.text.score import Score
 
 __all__ = ["blend", "direct", "express", "perform"]
 
+_BLOCK = 4096  # frames
 _A_LITTLE = 0.25  # seconds by which a curve may end after its line
 _WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
@@ -80,7 +81,11 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     idle = performer.idle.perform(utterance, rate, for_idle, score)
     prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
-    values = blend(mouth.values, expression * share + prosody, idle)
+    values = mouth.values.copy()
+    for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
+        here = slice(first, first + _BLOCK)
+        values[here] = blend(values[here], expression[here] * share[here] + prosody[here], idle[here])
+    del expression, idle, prosody
     values = close_lips(values, bilabial_seal(mouth.seal, utterance.phones, times))
     values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
     values = direct(values, score.curves, rate, share)

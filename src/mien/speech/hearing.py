@@ -1,8 +1,4 @@
-"""A whole sound as the live network hears it: how likely each phone is in each row of 10 ms.
-
-A part of what the mixtures of `phone_likelihoods` say is added to the answers of the network. They listen to less at a
-time and mistake more, but differently: where a text narrows the choice, both together place phones better than either.
-"""
+"""A whole sound as the live network hears it: how likely each phone is in each row of 10 ms."""
 
 from __future__ import annotations
 
@@ -14,15 +10,15 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.one_thread import one_thread
 from mien.core.utterance import PAUSE
-from mien.speech.frame_classifier import FrameClassifier, default_classifier
-from mien.speech.streaming_features import BANDS, CENTRE, HOP, LAG, RATE, StreamingFeatures
+from mien.speech.frame_classifier import FrameClassifier, FrameStream, default_classifier
+from mien.speech.streaming_features import HOP, RATE, WINDOW, StreamingFeatures
 
 __all__ = ["Hearing", "hear", "loudness_spread"]
 
 SHARE = 0.5
 """How far the answers are freed of how often each phone was heard in learning, 0..1."""
-MIXTURES = 0.3
-"""How far the mixtures count beside the network."""
+FUTURE, STEP = 60, 200
+"""As in `mien.speech.frame_classifier`: here all of a sound is known."""
 QUIET_SPREAD, NOISY_SPREAD = 26.0, 16.0
 """Decibels from the quiet to the loud of a sound (`loudness_spread`): noise 20 dB below a voice leaves the first."""
 PAUSE_IN_NOISE = 2.0
@@ -52,7 +48,7 @@ class Hearing:
 
     def edge(self, row: int, before: str, after: str) -> float:
         """Seconds at which one label gives way to the next, whose first row it is: where both are equally likely."""
-        here = CENTRE + row * HOP / RATE
+        here = row * HOP / RATE
         if not 0 < row < len(self.rows):
             return here - HOP / RATE / 2
         lead = self.rows[row - 1 : row + 1, self._index[before]] - self.rows[row - 1 : row + 1, self._index[after]]
@@ -98,14 +94,8 @@ def loudness_spread(audio: Audio) -> float:
 
 
 def _answers(samples: NDArray[np.floating], network: FrameClassifier) -> Iterator[Single]:
-    features = StreamingFeatures()
-    rows = np.zeros((0, 0))
-    before = 0  # rows that are kept though they were judged
+    features, frames = StreamingFeatures(), FrameStream(network, FUTURE, STEP)
     for start in range(0, len(samples), _BLOCK):
-        fresh = features.push(samples[start : start + _BLOCK])
-        rows = np.concatenate([rows, fresh]) if len(rows) else fresh
-        last = len(rows) if start + _BLOCK >= len(samples) else max(before, len(rows) - network.future)
-        heard = np.minimum(np.arange(before, last) + LAG, len(rows) - 1)
-        yield network.log_posteriors(rows, before, last) + (MIXTURES * rows[heard, BANDS + 2 :]).astype(np.float32)
-        spare = max(0, last - network.past)
-        rows, before = rows[spare:], last - spare
+        yield frames.push(features.push(samples[start : start + _BLOCK]))
+    yield frames.push(features.push(np.zeros(WINDOW // 2, np.float32)))
+    yield frames.pending()

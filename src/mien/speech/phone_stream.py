@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE
-from mien.speech.frame_classifier import FrameClassifier, default_classifier
-from mien.speech.streaming_features import CENTRE, COLUMNS, HOP, RATE, StreamingFeatures
+from mien.speech.frame_classifier import FrameClassifier, FrameStream, default_classifier
+from mien.speech.streaming_features import HOP, RATE, StreamingFeatures
 
 __all__ = ["DecodingSettings", "PhoneStream"]
 
 SHORTEST = 3
 """Rows that a phone lasts at least."""
+_BILABIALS = ("P", "B", "M")
 MEMORY = 1.2
 """Seconds of phones that are kept."""
 
@@ -42,11 +43,15 @@ class DecodingSettings:
         What a new phone costs (natural logarithm).
     follow : float
         How much counts what usually follows what.
+    shut : float
+        What a row of /p b m/ costs (natural logarithm): lips that are shut and should not be are seen more than lips
+        that should be shut and are not quite, and in learning these phones counted for more than they are heard.
     """
 
-    share: float = 0.5
-    change: float = 2.0
+    share: float = 0.3
+    change: float = 1.5
     follow: float = 0.6
+    shut: float = 0.6
 
 
 @dataclass
@@ -90,13 +95,12 @@ class PhoneStream:
         self.classifier = classifier or default_classifier()
         self.settings = settings or DecodingSettings()
         self._features = StreamingFeatures()
+        self._frames = FrameStream(self.classifier)
         labels = len(self.classifier.labels)
-        self._prior = self.settings.share * self.classifier.log_share
+        shut = [self.settings.shut * (label in _BILABIALS) for label in self.classifier.labels]
+        self._prior = self.settings.share * self.classifier.log_share + np.array(shut)
         self._follow = np.asarray(self.settings.follow * self.classifier.log_follow - self.settings.change, np.float64)
         np.fill_diagonal(self._follow, -np.inf)
-        self._rows = np.zeros((0, COLUMNS))
-        self._first = 0  # number of the first row that is kept
-        self._settled = 0  # rows that will not be judged again
         start = np.full((SHORTEST, labels), -1e3)
         start[-1, self.classifier.labels.index(PAUSE)] = 0.0
         self._paths = _Paths(start)
@@ -111,22 +115,11 @@ class PhoneStream:
     def push(self, samples: NDArray[np.floating]) -> None:
         """Take samples (16 kHz, -1..1)."""
         self._samples += len(samples)
-        rows = self._features.push(samples)
-        if not len(rows):
-            return
-        self._rows = np.concatenate([self._rows, rows])
-        ready = self._first + len(self._rows) - self.classifier.future
-        if ready > self._settled:
-            for heard in self._heard(self._settled, ready):
-                self._paths, step = self._paths.step(heard, self._follow)
-                self._steps.append(step)
-            self._settled = ready
-            spare = self._settled - self.classifier.past - self._first
-            if spare > 0:
-                self._rows, self._first = self._rows[spare:], self._first + spare
+        for heard in self._freed(self._frames.push(self._features.push(samples))):
+            self._paths, step = self._paths.step(heard, self._follow)
+            self._steps.append(step)
 
-    def _heard(self, first: int, last: int) -> Floats:
-        answers = self.classifier.log_posteriors(self._rows, first - self._first, last - self._first)
+    def _freed(self, answers: NDArray[np.float32]) -> Floats:
         return np.asarray(answers - self._prior, dtype=np.float64)
 
     def phones(self, whole: bool = True) -> Tier:
@@ -134,15 +127,16 @@ class PhoneStream:
 
         ``whole`` False leaves out the rows that are not settled yet. Times are seconds from the start of the sound.
         """
-        last = self._first + len(self._rows) if whole else self._settled
         paths, steps = self._paths, list(self._steps)
-        for heard in self._heard(self._settled, last):
+        last = self._frames.settled
+        for heard in self._freed(self._frames.pending() if whole else self._frames.pending()[:0]):
             paths, step = paths.step(heard, self._follow)
             steps.append(step)
+            last += 1
         begin = last - len(steps)
         spans = _traced(paths.scores, steps)
         to_seconds = HOP / RATE
-        edge = CENTRE - to_seconds / 2
+        edge = -to_seconds / 2
         labels = self.classifier.labels
         intervals = [
             Interval(edge + (begin + start) * to_seconds if begin + start else 0.0,

@@ -30,6 +30,7 @@ _RATE, _HOP = 16_000, 256
 _LOWEST, _HIGHEST = 46.875, 2093.75
 _VOICED = 0.5
 _FRAMES_AT_ONCE = 2000
+_BLOCK = 20 * _RATE  # samples that the network sees at once: longer ones take no less time and more memory
 _PEAK, _MOST_GAIN = 0.5, 100.0
 
 
@@ -147,9 +148,12 @@ def _contour(audio: Audio, lowest: float, highest: float) -> PitchContour:
     if loudest == 0.0:
         times = _HOP / _RATE * np.arange(max(1, len(samples) // _HOP), dtype=np.float64)
         return PitchContour(times, np.full(len(times), np.nan), np.zeros(len(times)))
-    found = _detector().detect(samples * min(_PEAK / loudest, _MOST_GAIN), _RATE, lowest, highest)
-    hertz = np.where(found.confidence >= _VOICED, found.pitch_hz, np.nan)
-    return PitchContour(found.timestamps, hertz, found.confidence)
+    gain, stream = np.float32(min(_PEAK / loudest, _MOST_GAIN)), _detector().stream(lowest, highest)
+    found = [stream.push(samples[start : start + _BLOCK] * gain, _RATE) for start in range(0, len(samples), _BLOCK)]
+    found.append(stream.flush())
+    hertz, confidence = (np.concatenate([getattr(part, name) for part in found]) for name in ("pitch_hz", "confidence"))
+    hertz = np.where(confidence >= _VOICED, hertz, np.nan)
+    return PitchContour(np.concatenate([part.timestamps for part in found]), hertz, confidence)
 
 
 def level_contour(audio: Audio, step: float = 0.016, window: float = 0.032) -> LevelContour:

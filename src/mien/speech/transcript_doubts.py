@@ -37,7 +37,7 @@ LOWEST_PHONE_SCORE = -8.0
 """Scores are clipped here, so that one odd phone does not condemn its run."""
 QUIET_WORD = 36.0
 """Decibels that the loudest part of a word lies below speech for the word to count as laid on silence."""
-OTHER_SPEECH = 0.18
+OTHER_SPEECH = 0.24
 """Seconds of speech between two words that count as words left out."""
 NOISY = 15.0
 """Decibels by which noise lies below the voice at most for it to be named."""
@@ -65,9 +65,13 @@ def doubts(
 ) -> tuple[Note, ...]:
     """A note on noise, and a warning for each stretch where the text does not seem to fit the sound."""
     below = noise_below(audio, phones)
-    noise = f"the sound seems noisy: the noise lies about {below:.0f} dB below the voice, so times are less certain"
+    noise = Note(
+        "note", f"the sound seems noisy: the noise lies about {below:.0f} dB below the voice, so times are less certain"
+    )
+    if below < 0:
+        noise = Note("warning", "no voice stands out of the noise of the sound: the times are guesses")
     warnings = [Note("warning", _sentence(misfit, spoken)) for misfit in misfits(audio, phones, lowest)]
-    return (*([Note("note", noise)] if below < NOISY else []), *warnings)
+    return (*([noise] if below < NOISY else []), *warnings)
 
 
 def noise_below(audio: Audio, phones: Sequence[AlignedPhone]) -> float:
@@ -159,9 +163,9 @@ def _loudness(audio: Audio) -> NDArray[np.float64]:
     """RMS in decibels of each frame of 20 ms; at least one."""
     window = max(1, round(audio.rate * _FRAME))
     frames = max(1, len(audio.samples) // window)
-    body = audio.samples[: frames * window].astype(np.float64).reshape(frames, -1)
-    power: NDArray[np.float64] = (body**2).mean(axis=1)
-    return 10.0 * np.log10(power + 1e-12)
+    body = audio.samples[: frames * window].reshape(frames, -1)
+    power = np.einsum("ij,ij->i", body, body, dtype=np.float64) / body.shape[1]
+    return np.asarray(10.0 * np.log10(power + 1e-12))
 
 
 def _parts(loudness: NDArray[np.float64], spans: Sequence[tuple[float, float]]) -> NDArray[np.float64]:

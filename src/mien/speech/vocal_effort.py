@@ -30,6 +30,7 @@ FEATURES = ("tilt", "pitch", "high")
 """In dB, the energy of 1 to 4 kHz over that of 100 Hz to 1 kHz in the louder half of the voiced frames; in semitones
 above 55 Hz, the middle pitch; the same as far as it lies above what either sex speaks at (softly from `HIGH`)."""
 HIGH, SOFTLY = 24.0, 2.0
+_LISTENED = 600.0  # seconds from the first speech on by which a voice as a whole is judged
 FEWEST = 8
 """Voiced frames with speech (16 ms) below which nothing is judged."""
 WHISPERED = 0.06
@@ -80,10 +81,10 @@ def read_effort(audio: Audio, decibels_per_step: float) -> VocalEffort:
     decibels_per_step : float
         Decibels that go with a step of 1 in effort.
     """
-    frames = analyse(audio)
+    frames = analyse(audio, _LISTENED)
     if not frames.active.any():
         return VocalEffort((0.0,), (1.0,), 0.0, "effort read from the voice: no speech in it, so 1")
-    whole, why = voice_decibels(frames)
+    whole, why = voice_decibels(frames.between(0.0, frames.start + _LISTENED))
     swing = _swing(frames)
     times = np.arange(0.0, audio.duration + POINTS, POINTS)
     inside = np.interp(times, frames.start + STEP * np.arange(len(frames)), swing)

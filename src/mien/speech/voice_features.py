@@ -13,6 +13,7 @@ and far more of neutral grid-s1 is heard as neutral.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -93,8 +94,15 @@ class SpeechFrames:
         )
 
 
-def analyse(audio: Audio) -> SpeechFrames:
-    """Frames of a sound, from the first with speech to the last; none where there is no speech."""
+def analyse(audio: Audio, spectra: float = np.inf) -> SpeechFrames:
+    """Frames of a sound, from the first with speech to the last; none where there is no speech.
+
+    Parameters
+    ----------
+    audio : Audio
+    spectra : float
+        Seconds from the first speech on whose spectra are wanted, if not all: an hour of them is a quarter gigabyte.
+    """
     sound = audio.resampled(RATE)
     level = level_contour(sound).decibels
     pitch = pitch_contour(audio)
@@ -106,7 +114,8 @@ def analyse(audio: Audio) -> SpeechFrames:
     first, after = int(np.argmax(active)), frames - int(np.argmax(active[::-1]))
     cut = slice(first, after)
     loudness = float(np.median(level[active]))
-    power = _spectra(sound.samples * 10 ** (-(loudness + 20) / 20), frames)[cut]
+    wanted = slice(first, min(after, first + math.ceil(min(spectra, audio.duration) / STEP)))
+    power = _spectra(sound.samples, wanted, 10 ** (-(loudness + 20) / 20))
     return SpeechFrames(
         first * STEP,
         level[cut] - loudness,
@@ -131,12 +140,14 @@ def _semitones(pitch: PitchContour) -> _Array:
     return np.where(stray, np.nan, semitones)
 
 
-def _spectra(samples: NDArray[np.floating], frames: int) -> NDArray[np.float32]:
-    """Power spectra of Hann windows centred on each frame, in single precision and made in blocks: an hour has many."""
-    padded = np.pad(samples.astype(np.float32), (WINDOW // 2, WINDOW))
-    found = np.empty((frames, WINDOW // 2 + 1), np.float32)
-    for first in range(0, frames, _BLOCK):
-        starts = HOP * np.arange(first, min(first + _BLOCK, frames))
+def _spectra(samples: NDArray[np.floating], frames: slice, gain: float) -> NDArray[np.float32]:
+    """Power spectra of Hann windows centred on some frames, in single precision and made in blocks."""
+    begin = HOP * frames.start - WINDOW // 2
+    heard = samples[max(begin, 0) : HOP * frames.stop + WINDOW] * samples.dtype.type(gain)
+    padded = np.pad(heard.astype(np.float32), (max(-begin, 0), 2 * WINDOW))
+    found = np.empty((frames.stop - frames.start, WINDOW // 2 + 1), np.float32)
+    for first in range(0, len(found), _BLOCK):
+        starts = HOP * np.arange(first, min(first + _BLOCK, len(found)))
         windows = padded[starts[:, None] + np.arange(WINDOW)] * np.hanning(WINDOW)
         found[first : first + _BLOCK] = np.abs(np.fft.rfft(windows, axis=1)) ** 2
     return found

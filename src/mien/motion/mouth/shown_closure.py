@@ -8,16 +8,19 @@ what lifts, lowers or rolls a single lip gives way. Hand-made.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
-from mien.core.timeline import Tier
+from mien.core.timeline import Interval, Tier
 
 __all__ = ["BILABIALS", "bilabial_seal", "close_lips"]
 
 Floats = NDArray[np.float64]
 BILABIALS = frozenset({"P", "B", "M"})
+_SEALED = {True: BILABIALS, False: frozenset({"F", "V"})}
 _JAW, _CLOSE = (channels.ALL.index(name) for name in ("jawOpen", "mouthClose"))
 _APART = [
     channels.ALL.index(name)
@@ -50,13 +53,16 @@ def bilabial_seal(seal: Floats, phones: Tier, times: Floats) -> Floats:
     >>> bilabial_seal(np.array([1.0, 0.2, 1.0]), phones, np.array([0.05, 0.12, 0.25])).tolist()
     [1.0, 0.2, 0.0]
     """
-    away = {True: np.full(len(times), np.inf), False: np.full(len(times), np.inf)}
-    for phone in phones:
-        if phone.label in BILABIALS or phone.label in ("F", "V"):
-            both = phone.label in BILABIALS
-            distance = np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0)
-            away[both] = np.minimum(away[both], distance)
+    away = {both: _away([p for p in phones if p.label in labels], times) for both, labels in _SEALED.items()}
     return np.where(away[True] < away[False], seal, 0.0)
+
+
+def _away(phones: Sequence[Interval], times: Floats) -> Floats:
+    """Seconds to the nearest of some phones, in order."""
+    starts = np.array([-np.inf, *(phone.start for phone in phones), np.inf])
+    ends = np.array([-np.inf, *(phone.end for phone in phones)])
+    place = np.searchsorted(starts[1:-1], times, side="right")
+    return np.asarray(np.maximum(np.minimum(times - ends[place], starts[place + 1] - times), 0.0))
 
 
 def close_lips(values: Floats, seal: Floats) -> Floats:

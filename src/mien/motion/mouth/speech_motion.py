@@ -39,7 +39,7 @@ and leaves the lips 2 mm apart in a pause.)"""
 
 SPREAD_TAKES = 200
 """Takes on which the size of the motion is measured, at most."""
-BLOCK = 4096
+BLOCK = 1024
 """Frames that are synthesised at once, which bounds the memory."""
 
 Floats = NDArray[np.float64]
