@@ -198,7 +198,18 @@ def test_cut_out_triangles_and_tiles(tmp_path: Path) -> None:
     assert part.uv.min() >= -1e-6
     assert part.uv[:, 0].max() <= 0.6
     assert part.material.texture is not None
-    assert tuple(part.material.texture[4, 7]) == (200, 100, 50)
+    assert tuple(part.material.texture[4, 7]) == (200, 100, 50, 0)
+
+
+def test_lenses_are_seen_through(tmp_path: Path) -> None:
+    made = Builder()
+    facts = {"name": "lens", "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.1, 0.25]}}
+    made.put("materials", facts)
+    mesh = made.mesh(["jawOpen"])
+    made.list_of("meshes")[mesh]["primitives"][0]["material"] = 0
+    made.bust(mesh)
+    part = drawn_face(foreign_face(made.glb(tmp_path / "lens.glb"))).face.parts[0]
+    assert part.material.opacity == 0.25
 
 
 def test_compressed_meshes_are_drawn_alike(tmp_path: Path) -> None:

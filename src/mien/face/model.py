@@ -29,8 +29,8 @@ class Material:
     name : str
     colour : tuple of 3 float
         sRGB 0..1; multiplies the texture.
-    texture : ndarray of uint8, shape (height, width, 3), or None
-        sRGB; (0, 0) of the texture coordinates is its upper left corner, as in glTF.
+    texture : ndarray of uint8, shape (height, width, 3 or 4), or None
+        sRGB; (0, 0) of the texture coordinates is its upper left corner, as in glTF. A fourth number is opacity.
     roughness : float
         0 mirror-like .. 1 matt.
     specular : float
@@ -39,6 +39,8 @@ class Material:
         How much light bleeds through, as in skin: 0 none .. 1 (softens the edge between light and shade, reddens it).
     folds : float
         How deep skin folds (`mien.face.folds`): 1 as on the default face, more on older skin.
+    opacity : float
+        Of the whole surface, 0..1; multiplies the texture's.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Material:
     specular: float = 0.3
     scatter: float = 0.0
     folds: float = 1.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,11 @@ def _pack_part(part: Part, arrays: Arrays, jpeg_quality: int) -> None:
     keep("head_weight", np.rint(np.clip(part.head_weight, 0, 1) * 255).astype(np.uint8))
     if part.material.texture is not None:
         picture = io.BytesIO()
-        Image.fromarray(part.material.texture).save(picture, "JPEG", quality=jpeg_quality, subsampling=0)
+        image = Image.fromarray(part.material.texture)
+        if image.mode == "RGBA":
+            image.save(picture, "PNG")
+        else:
+            image.save(picture, "JPEG", quality=jpeg_quality, subsampling=0)
         keep("texture", np.frombuffer(picture.getvalue(), np.uint8))
     for name, target in part.targets.items():
         keep(f"targets/{name}/vertices", target.vertices.astype(index_type))
@@ -144,7 +148,7 @@ def _unpack_part(facts: Mapping[str, Any], arrays: Arrays, path: Path) -> Part:
     texture = None
     if picture is not None:
         with opened_picture(picture.tobytes(), f"{path}, {name}/texture") as opened:
-            texture = np.asarray(opened.convert("RGB"))
+            texture = np.asarray(opened.convert("RGBA" if opened.mode == "RGBA" else "RGB"))
     material = dict(facts["material"], colour=tuple(facts["material"]["colour"]), texture=texture)
     return Part(
         name=name,

@@ -241,7 +241,7 @@ class GlbBuilder:
     def _material(self, material: Material) -> int:
         if id(material) not in self._material_numbers:
             surface: dict[str, Any] = {
-                "baseColorFactor": [*linear_light(np.array(material.colour)).tolist(), 1.0],
+                "baseColorFactor": [*linear_light(np.array(material.colour)).tolist(), float(material.opacity)],
                 "metallicFactor": 0.0,
                 "roughnessFactor": float(material.roughness),
             }
@@ -250,6 +250,8 @@ class GlbBuilder:
             facts: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface, "doubleSided": True}
             if material.texture is not None and material.texture.shape[2] == 4:
                 facts |= {"alphaMode": "MASK", "alphaCutoff": 0.5}
+            if material.opacity < 1:
+                facts["alphaMode"] = "BLEND"
             self.materials.append(facts)
             self._material_numbers[id(material)] = len(self.materials) - 1
         return self._material_numbers[id(material)]

@@ -38,6 +38,18 @@ def with_lashes(face: Face) -> Face:
     return replace(face, parts=(*face.parts, lashes))
 
 
+def with_glasses(face: Face) -> Face:
+    """A pane before the face, its left half more solid than its right one; and a veil of the same opacity all over."""
+    corners = np.float32([[-50, 20, 60], [50, 20, 60], [50, -30, 60], [-50, -30, 60]])
+    uv, ones = np.float32([[0, 0], [1, 0], [1, 1], [0, 1]]), np.ones((4, 3), np.float32)
+    picture = np.full((16, 32, 4), (40, 60, 200, 90), np.uint8)
+    picture[:, :16, 3] = 200
+    triangles = np.array([[0, 2, 1], [0, 3, 2]], dtype=np.int32)
+    pane = Part("pane", corners, triangles, uv, ones, Material("pane", texture=picture), ones[:, 0])
+    veil = replace(pane, name="veil", vertices=corners + np.float32([0, 40, 5]), material=Material("veil", opacity=0.4))
+    return replace(face, parts=(*face.parts, pane, veil))
+
+
 @pytest.mark.parametrize(
     ("values", "camera"),
     [
@@ -47,7 +59,7 @@ def with_lashes(face: Face) -> Face:
     ],
 )
 def test_the_kernels_agree_with_plain_numpy(values, camera):
-    face = with_lashes(tiny_face())
+    face = with_glasses(with_lashes(tiny_face()))
     renderer = Renderer(face, 90, 70, Camera.portrait(face, 90 / 70).turned(*camera))
     pose = posed(face, **values)
     difference = np.abs(renderer.render(pose).astype(int) - render_reference(renderer, pose))
@@ -69,6 +81,24 @@ def test_the_picture_does_not_depend_on_threads_or_on_pictures_before(monkeypatc
         at_once = [picture.tobytes() for picture in pool.map(renderer.render, [pose, other, pose, other, pose])]
     assert {*pictures, *at_once[::2]} == {pictures[0]}
     assert len(set(at_once)) == 2
+
+
+def test_what_is_seen_through_shows_as_much_of_what_is_behind_as_its_opacity_says():
+    grey, ones = Material("m", (0.5, 0.5, 0.5), specular=0.0), np.ones((4, 3), np.float32)
+    corners = np.float32([[-60, -60, 0], [60, -60, 0], [60, 60, 0], [-60, 60, 0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    wall = Part("wall", corners, triangles, ones[:, :2], ones, grey, ones[:, 0])
+    dark = Material("dark", (0, 0, 0), specular=0.0)
+    black = replace(Lighting.portrait(), background=np.zeros((2, 3), np.float32))
+    shown = []
+    for opacity in (0.0, 0.1, 0.5, 0.85, 1.0):
+        pane = replace(
+            wall, name="pane", vertices=corners + np.float32([0, 0, 9]), material=replace(dark, opacity=opacity)
+        )
+        face = Face("pane", (wall, pane), (), (0, 0, 0), {}, "")
+        picture = Renderer(face, 64, 64, Camera((0, 0, 0), 900, 80), black).render(Poser(face, ()).pose([]))
+        shown.append((picture[16:48, 16:48].astype(float) ** 2.2).mean())
+    np.testing.assert_allclose(1 - np.array(shown) / shown[0], [0.0, 0.1, 0.5, 0.85, 1.0], atol=0.06)
 
 
 def test_the_face_is_in_the_middle_before_a_gradient():

@@ -18,7 +18,7 @@ __all__ = ["Surface", "SurfaceReader", "srgb"]
 
 _LARGEST = 2048  # pixels of a texture's side; larger ones are halved
 _SKIN = ("skin", "face", "head", "body", "wolf3d_avatar")
-_SEEN_THROUGH = 0.65  # of the whole material: below it what lies behind counts more (glasses show the eyes)
+_NOTHING = 0.02  # opacity below which nothing is drawn
 _PLAIN_SKIN = (0.80, 0.62, 0.54)  # where a picture of skin cannot be read: hand-made
 _PLAIN = (0.62, 0.60, 0.58)
 
@@ -34,19 +34,13 @@ class Surface:
         Which TEXCOORD set its picture takes.
     transform : ndarray, shape (2, 3)
         Brings texture coordinates to the picture (KHR_texture_transform).
-    opacity : ndarray of uint8, shape (height, width), or None
-        The picture's alpha where the material is see-through or cut out.
-    cutoff : float
-        Below this opacity, 0..1, nothing is drawn.
     hidden : bool
-        Whether the whole material is too transparent to be drawn.
+        Whether nothing of it is to be seen.
     """
 
     material: Material
     coordinates: int = 0
     transform: NDArray[np.float64] | None = None
-    opacity: NDArray[np.uint8] | None = None
-    cutoff: float = 0.0
     hidden: bool = False
 
 
@@ -84,23 +78,21 @@ class SurfaceReader:
         if given and picture is None:
             colour = colour * np.array(_PLAIN_SKIN if skin else _PLAIN)
         mode = facts.get("alphaMode", "OPAQUE")
-        opacity = picture[:, :, 3] if picture is not None and mode != "OPAQUE" else None
-        if picture is not None and opacity is not None:
-            picture = _without_fringes(picture)
+        if picture is not None:
+            picture = _with_opacity(picture, mode, float(facts.get("alphaCutoff", 0.5)))
         alpha = float(factor[3]) if len(factor) > 3 and mode != "OPAQUE" else 1.0
         return Surface(
             material=Material(
                 name,
                 (float(colour[0]), float(colour[1]), float(colour[2])),
-                np.ascontiguousarray(picture[:, :, :3]) if picture is not None else None,
+                picture,
                 roughness=float(np.clip(metal.get("roughnessFactor", 1.0), 0.3, 0.8)),
                 scatter=0.4 if skin else 0.0,
+                opacity=float(np.clip(alpha, 0.0, 1.0)) if mode == "BLEND" else 1.0,
             ),
             coordinates=_coordinates(given),
             transform=_transform(given),
-            opacity=opacity if opacity is not None and opacity.min() < 255 else None,
-            cutoff=float(facts.get("alphaCutoff", 0.5)) if mode == "MASK" else 0.35,
-            hidden=alpha < _SEEN_THROUGH,
+            hidden=alpha < _NOTHING,
         )
 
     def _picture(self, given: dict[str, Any], name: str) -> NDArray[np.uint8] | None:
@@ -125,6 +117,16 @@ class SurfaceReader:
         except InputError as problem:
             self.faults.append(f"material {name!r} is drawn in one colour: {problem}")
             return None
+
+
+def _with_opacity(picture: NDArray[np.uint8], mode: str, cutoff: float) -> NDArray[np.uint8]:
+    """The picture with its opacity where there is one: as it is, or all or nothing where the material is cut out."""
+    if mode == "OPAQUE" or picture[:, :, 3].min() == 255:
+        return np.ascontiguousarray(picture[:, :, :3])
+    picture = _without_fringes(picture)
+    if mode == "MASK":
+        picture[:, :, 3] = np.where(picture[:, :, 3] >= 255 * cutoff, 255, 0)
+    return np.ascontiguousarray(picture)
 
 
 def _without_fringes(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

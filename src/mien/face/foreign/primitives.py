@@ -261,7 +261,7 @@ def triangles_of(primitive: Mapping[str, Any], count: int, reader: AccessorReade
 def _coordinates(
     attributes: Mapping[str, Any], surface: Surface, triangles: Rows, count: int, reader: AccessorReader
 ) -> tuple[Floats, Rows]:
-    """Texture coordinates in 0..1, and the triangles that are left when cut-out ones are gone."""
+    """Texture coordinates in 0..1, and the triangles of which anything is seen."""
     name = f"TEXCOORD_{surface.coordinates}"
     if surface.material.texture is None or name not in attributes:
         return np.zeros((count, 2)), triangles
@@ -271,17 +271,17 @@ def _coordinates(
     if surface.transform is not None:
         uv = uv @ surface.transform[:, :2].T + surface.transform[:, 2]
     uv = in_one_tile(uv, triangles)
-    if surface.opacity is not None and len(triangles):
-        tall, wide = surface.opacity.shape
+    picture = surface.material.texture
+    if picture is not None and picture.shape[2] == 4 and len(triangles):
+        tall, wide = picture.shape[:2]
         corners = uv[triangles]
         middle = corners.mean(axis=1)
-        samples = [middle, *(0.5 * (middle + corners[:, k]) for k in range(3))]
-        seen = np.zeros(len(triangles))
-        for sample in samples:
+        seen = np.zeros(len(triangles), dtype=bool)
+        for sample in (middle, *(step * middle + (1 - step) * corners[:, k] for k in range(3) for step in (0.5, 0.1))):
             x = np.clip((sample[:, 0] % 1.0) * wide, 0, wide - 1).astype(int)
             y = np.clip((sample[:, 1] % 1.0) * tall, 0, tall - 1).astype(int)
-            seen += surface.opacity[y, x] / 255.0 / len(samples)
-        triangles = triangles[seen >= surface.cutoff]
+            seen |= picture[y, x, 3] > 0
+        triangles = triangles[seen]
     return uv, triangles
 
 

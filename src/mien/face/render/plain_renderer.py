@@ -194,9 +194,35 @@ def _cover(renderer: Renderer, place: Array, drawn: Array) -> tuple[Array, Array
         shares = _shares(corner, points)
         near = (shares @ corner[:, 2]).astype(np.float32)
         wins = (shares >= 0).all(axis=-1) & (near > nearest[y, x])
+        if renderer.scene.clear[renderer.scene.triangle_part[triangle]]:
+            wins &= _kept(renderer, triangle, corner, x, y)
         nearest[y, x] = np.where(wins, near, nearest[y, x])
         owner[y, x] = np.where(wins, triangle, owner[y, x])
     return nearest, owner
+
+
+def _kept(renderer: Renderer, triangle: int, corner: Array, x: Array, y: Array) -> Array:
+    """Which samples of a triangle that is seen through are kept, for its opacity, shape (..., 4)."""
+    scene = renderer.scene
+    part, corners = scene.triangle_part[triangle], scene.triangles[triangle]
+    kept = np.full(x.shape, float(scene.opacity[part]))
+    if scene.texture_level[part, 0, 1] > 0:
+        shares = np.maximum(_shares(corner, np.stack([x + 0.5, y + 0.5], axis=-1)), 0) * corner[:, 2]
+        uv = shares @ scene.uv[corners] / shares.sum(axis=-1, keepdims=True)
+        first, wide, tall = _fitting_level(scene, corners, corner, part)
+        at = np.clip(np.floor(uv * (wide, tall)).astype(int), 0, (wide - 1, tall - 1))
+        kept = kept * scene.alphas[first + at[..., 1] * wide + at[..., 0]] / 255
+    threshold = (np.arange(4) + part & 3) + renderer.noise[y & 7, x & 7][..., None]
+    return np.asarray(4 * kept[..., None] > threshold)
+
+
+def _fitting_level(scene: Scene, corners: Array, corner: Array, part: int) -> list[int]:
+    """First texel, width and height of the level of a texture that fits a triangle's size."""
+    levels = scene.texture_level[part]
+    spread = _doubled_area(scene.uv[corners].astype(np.float64)) / _doubled_area(corner)
+    ratio = abs(spread) * levels[0, 1] * levels[0, 2]
+    chosen = int(np.clip(np.ceil(np.log2(max(ratio, 1e-9) / 2) / 2), 0, len(levels) - 1))
+    return [int(each) for each in levels[chosen]]
 
 
 def _fragments(scene: Scene, nearest: Array, owner: Array) -> Iterator[tuple[Array, Array, int, Array]]:
@@ -301,12 +327,8 @@ def _texture(scene: Scene, texels: Array, triangles: Array, corner: Array, uv: A
     """The texture's colour, linear, at each point; ones where there is none."""
     parts = scene.triangle_part[triangles]
     colour = np.ones((len(uv), 3))
-    spread = _doubled_area(scene.uv[scene.triangles[triangles]].astype(np.float64)) / _doubled_area(corner)
     for point in np.flatnonzero(scene.texture_level[parts, 0, 1] > 0):
-        levels = scene.texture_level[parts[point]]
-        ratio = abs(spread[point]) * levels[0, 1] * levels[0, 2]
-        chosen = int(np.clip(np.ceil(np.log2(max(ratio, 1e-9) / 2) / 2), 0, len(levels) - 1))
-        first, wide, tall = levels[chosen].tolist()
+        first, wide, tall = _fitting_level(scene, scene.triangles[triangles[point]], corner[point], parts[point])
         picture = linear_from_srgb(texels[first : first + wide * tall] / 255).reshape(tall, wide, 3)
         at = uv[point] * (wide, tall) - 0.5
         corner_at = np.floor(at).astype(int)

@@ -109,12 +109,16 @@ def sort_into_bands(points, triangles, triangle_part, sheet, width, height):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def cover(points, triangles, triangle_part, start, listed, reach, order, begin, end, height, fragments, counts, seen):
+def cover(
+    points, triangles, triangle_part, clear, opacity, texture_level, alphas, noise, start, listed, reach, order, begin,
+    end, height, fragments, counts, seen,
+):  # fmt: skip
     """Find the fragments of the bands from ``begin`` to ``end`` in ``order``, in order of rows and columns.
 
     ``fragments`` (bands, most, 2) int32 receives the triangle, and in one number the column in the band's reach, the
     row and the samples (four bits each); ``counts`` (bands,) how many there are; ``seen`` (triangles,) becomes true
-    where one is.
+    where one is. Of parts that are ``clear`` as many samples are kept as their opacity says: that of the part, times
+    that of the texture (``alphas``), with the ``noise`` (8, 8) of the pixel for what is less than a sample.
     """
     for number in range(begin, end):
         band = order[number]
@@ -139,7 +143,14 @@ def cover(points, triangles, triangle_part, start, listed, reach, order, begin, 
             hidden = True
             for block in range(max(0, int(low)) // BLOCK, min(wide - 1, int(high)) // BLOCK + 1):
                 hidden &= near < farthest[block]
-            if not hidden:
+            if hidden:
+                continue
+            if clear[part]:
+                _fill_clear(
+                    t, points, a, b, c, top, rows, left, wide, stride, part, opacity[part], texture_level[part], alphas,
+                    noise, nearest,
+                )  # fmt: skip
+            else:
                 _fill(t, points, a, b, c, top, rows, left, wide, stride, nearest)
         counts[band] = _collect(nearest, triangle_part, rows, wide, stride, fragments[band], seen)
 
@@ -201,6 +212,54 @@ def _fill(t, points, a, b, c, top, rows, left, wide, stride, nearest):
             at += np.uint64(16)
             ru, rv, rw, rn = ru + 1024.0 * ux, rv + 1024.0 * vx, rw + 1024.0 * wx, rn + 1024.0 * nx
         u, v, w, n = u + 256.0 * uy, v + 256.0 * vy, w + 256.0 * wy, n + 256.0 * ny
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _fill_clear(
+    t, points, a, b, c, top, rows, left, wide, stride, part, opacity, texture_level, alphas, noise, nearest
+):
+    """As `_fill`, pixel by pixel, of a triangle that is seen through."""
+    ax, ay, an = float(points[a, X]) - left, float(points[a, Y]) - top, float(points[a, NEAR])
+    bx, by, bn = float(points[b, X]) - left, float(points[b, Y]) - top, float(points[b, NEAR])
+    cx, cy, cn = float(points[c, X]) - left, float(points[c, Y]) - top, float(points[c, NEAR])
+    share = 1.0 / ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
+    level = _level(points, a, b, c, 1.0 / share, texture_level)
+    first, across, down = texture_level[level, 0], texture_level[level, 1], texture_level[level, 2]
+    for row in range(max(0, int(min(ay, by, cy))), min(rows, int(max(ay, by, cy)) + 1)):
+        for i in range(max(0, int(min(ax, bx, cx))), min(wide, int(max(ax, bx, cx)) + 1)):
+            x, y = i + 0.5, row + 0.5
+            wb = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) * share
+            wc = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) * share
+            wa, wb, wc = max(1.0 - wb - wc, 0.0) * an, max(wb, 0.0) * bn, max(wc, 0.0) * cn
+            kept = float(opacity)
+            if across > 0:
+                u = (wa * points[a, U] + wb * points[b, U] + wc * points[c, U]) / (wa + wb + wc)
+                v = (wa * points[a, V] + wb * points[b, V] + wc * points[c, V]) / (wa + wb + wc)
+                texel = min(max(int(v * down), 0), down - 1) * across + min(max(int(u * across), 0), across - 1)
+                kept *= alphas[first + texel] / 255.0
+            for s in range(4):
+                if 4.0 * kept <= ((s + part) & 3) + noise[(top + row) & 7, (left + i) & 7]:
+                    continue
+                x, y = i + SAMPLES[s, 0], row + SAMPLES[s, 1]
+                wb = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) * share
+                wc = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) * share
+                if wb >= 0.0 and wc >= 0.0 and wb + wc <= 1.0:
+                    near = _STEPS * (an + wb * (bn - an) + wc * (cn - an))
+                    at = np.uint64(4 * (row * stride + i) + s)
+                    nearest[at] = max(nearest[at], (np.int64(near) << 32) | t)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _level(points, a, b, c, area, texture_level):
+    """Of a texture, the level on which a texel is about as large as a pixel of a triangle of this doubled area."""
+    du, dv = points[b, U] - points[a, U], points[b, V] - points[a, V]
+    eu, ev = points[c, U] - points[a, U], points[c, V] - points[a, V]
+    ratio = abs((du * ev - dv * eu) * texture_level[0, 1] * texture_level[0, 2] / area)
+    level = 0
+    while ratio > 2.0 and level < texture_level.shape[0] - 1:
+        ratio *= 0.25
+        level += 1
+    return level
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -269,16 +328,7 @@ def set_up(points, triangles, triangle_part, texture_level, seen, needed, planes
         share = side / points[a, NEAR]
         planes[t, 6], planes[t, 7] = share * points[b, NEAR], share * points[c, NEAR]
         part = triangle_part[t]
-        wide, tall = texture_level[part, 0, 1], texture_level[part, 0, 2]
-        level[t] = -1
-        if wide > 0:
-            du, dv = points[b, U] - points[a, U], points[b, V] - points[a, V]
-            eu, ev = points[c, U] - points[a, U], points[c, V] - points[a, V]
-            ratio = abs((du * ev - dv * eu) * wide * tall / area)
-            level[t] = 0
-            while ratio > 2.0 and level[t] < texture_level.shape[1] - 1:
-                ratio *= 0.25
-                level[t] += 1
+        level[t] = _level(points, a, b, c, area, texture_level[part]) if texture_level[part, 0, 1] > 0 else -1
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

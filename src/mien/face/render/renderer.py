@@ -167,8 +167,9 @@ class Renderer:
 
         def cover(begin: int, end: int) -> None:
             raster.cover(
-                points, scene.triangles, scene.triangle_part, start, listed, reach, self._order, begin, end,
-                self.height, room.fragments, room.counts, seen,
+                points, scene.triangles, scene.triangle_part, scene.clear, scene.opacity, scene.texture_level,
+                scene.alphas, self.noise, start, listed, reach, self._order, begin, end, self.height, room.fragments,
+                room.counts, seen,
             )  # fmt: skip
 
         shared(cover, bands, threads)

@@ -46,6 +46,10 @@ class Scene:
     triangle_part : ndarray of int32, shape (triangles,)
     sheet : ndarray of bool, shape (parts,)
         Seen from both sides.
+    clear : ndarray of bool, shape (parts,)
+        Whether something of what is behind is seen through the part.
+    opacity : ndarray of float32, shape (parts,)
+        Of the whole part; multiplies ``alphas``.
     casters, caster_vertices : ndarray of int32, shapes (some triangles, 3) and (some vertices,)
         What casts the key light's shadows: large parts that are not sheets, between some of their vertices. Corners are
         places in the list of vertices.
@@ -71,6 +75,8 @@ class Scene:
     uv : ndarray of float32, shape (vertices, 2)
     texels : ndarray of uint8, shape (n, 3)
         All levels of all textures, row by row.
+    alphas : ndarray of uint8, shape (n,)
+        Their opacity.
     texture_level : ndarray of int32, shape (parts, LEVELS, 3)
         First texel, width and height of each level; width 0 where a part has no texture.
     neighbour_start, neighbour, neighbour_weight
@@ -86,6 +92,8 @@ class Scene:
     triangles: Indices
     triangle_part: Indices
     sheet: NDArray[np.bool_]
+    clear: NDArray[np.bool_]
+    opacity: Floats
     casters: Indices
     coarse_casters: Indices
     caster_vertices: Indices
@@ -101,6 +109,7 @@ class Scene:
     thin: Floats
     uv: Floats
     texels: NDArray[np.uint8]
+    alphas: NDArray[np.uint8]
     texture_level: Indices
     neighbour_start: Indices
     neighbour: Indices
@@ -120,10 +129,11 @@ class Scene:
         welded = np.concatenate([each + start for each, start in zip(own, starts, strict=False)])
         rims = [_open_edges(part, each) for part, each in zip(parts, own, strict=True)]
         scatter = np.concatenate([np.full(len(part.vertices), part.material.scatter, np.float32) for part in parts])
-        texels, levels = _textures(parts)
+        texels, alphas, levels = _textures(parts)
+        clear = np.array([_is_clear(part) for part in parts])
         centre, radius = _head_ball(parts)
         sheet = np.array([share > _SHEET_SHARE for _, share in rims])
-        casts = _casts(parts) & ~sheet
+        casts = _casts(parts) & ~sheet & ~clear
         casting = _triangles_of(parts, starts, casts)
         moves = np.concatenate([_moves(part) for part in parts])
         owner = np.repeat(np.arange(len(parts)), [len(part.vertices) for part in parts])
@@ -135,6 +145,8 @@ class Scene:
             triangles=np.ascontiguousarray(triangles, dtype=np.int32),
             triangle_part=np.concatenate([np.full(len(p.triangles), i, np.int32) for i, p in enumerate(parts)]),
             sheet=sheet,
+            clear=clear,
+            opacity=np.array([part.material.opacity for part in parts], dtype=np.float32),
             casters=casters,
             coarse_casters=coarse,
             caster_vertices=caster_vertices,
@@ -154,6 +166,7 @@ class Scene:
             thin=np.concatenate([_thin(part, each) for part, each in zip(parts, own, strict=True)]),
             uv=np.concatenate([part.uv for part in parts]).astype(np.float32),
             texels=texels,
+            alphas=alphas,
             texture_level=levels,
             **_neighbours(triangles, vertices, welded, scatter, reach_mm),
             welded=welded.astype(np.int32),
@@ -279,6 +292,7 @@ def _texture_at_vertices(part: Part) -> Floats:
     picture = part.material.texture
     if picture is None:
         return np.ones_like(part.colours)
+    picture = picture[:, :, :3]
     for _ in range(3):  # a vertex stands for an area, not for one freckle
         picture = _halved(picture)
     last = np.array([picture.shape[1] - 1, picture.shape[0] - 1])
@@ -286,20 +300,28 @@ def _texture_at_vertices(part: Part) -> Floats:
     return np.asarray(picture[place[:, 1], place[:, 0]] / 255, dtype=np.float32)
 
 
-def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], Indices]:
+def _is_clear(part: Part) -> bool:
+    picture = part.material.texture
+    return part.material.opacity < 1 or (picture is not None and picture.shape[2] == 4)
+
+
+def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], NDArray[np.uint8], Indices]:
     levels = np.zeros((len(parts), LEVELS, 3), dtype=np.int32)
-    pieces: list[NDArray[np.uint8]] = [np.zeros((1, 3), np.uint8)]
+    pieces: list[NDArray[np.uint8]] = [np.full((1, 4), 255, np.uint8)]
     used = 1
     for number, part in enumerate(parts):
         picture = part.material.texture
         if picture is None:
             continue
+        if picture.shape[2] == 3:
+            picture = np.concatenate([picture, np.full((*picture.shape[:2], 1), 255, np.uint8)], axis=2)
         for level in range(LEVELS):
             levels[number, level] = used, picture.shape[1], picture.shape[0]
-            pieces.append(picture.reshape(-1, 3))
+            pieces.append(picture.reshape(-1, 4))
             used += len(pieces[-1])
             picture = _halved(picture)
-    return np.ascontiguousarray(np.concatenate(pieces)), levels
+    texels = np.concatenate(pieces)
+    return np.ascontiguousarray(texels[:, :3]), np.ascontiguousarray(texels[:, 3]), levels
 
 
 def _halved(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
