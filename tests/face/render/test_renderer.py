@@ -68,6 +68,23 @@ def test_the_kernels_agree_with_plain_numpy(values, camera):
     assert difference.mean() < 0.05
 
 
+def test_the_relief_of_skin_agrees_with_plain_numpy_and_shows_only_close_up():
+    face = tiny_face()
+    skin = replace(face.parts[0], material=replace(face.parts[0].material, scatter=0.5))
+    face = replace(face, parts=(skin, *face.parts[1:]))
+    near = Renderer(face, 60, 60, Camera((15, -20, 60), 900, 7))
+    assert near.relief_share == 1
+    assert Renderer(face, 60, 60).relief_share == 0
+    pose = posed(face)
+    difference = np.abs(near.render(pose).astype(int) - render_reference(near, pose))
+    assert (difference > 1).mean() < 0.002
+    near.relief_share = np.float32(0)
+    smooth = near.render(pose).astype(int)
+    assert np.abs(smooth - render_reference(near, pose)).mean() < 0.05
+    near.relief_share = np.float32(1)
+    assert np.abs(smooth - near.render(pose)).mean() > 0.5
+
+
 def test_the_picture_does_not_depend_on_threads_or_on_pictures_before(monkeypatch):
     face = tiny_face()
     pose, other = posed(face, jawOpen=0.5), posed(face, headYaw=30.0)

@@ -16,6 +16,7 @@ from mien.face.posing import PosedFace
 from mien.face.render import light
 from mien.face.render import rasteriser as raster
 from mien.face.render.colour import linear_from_srgb, tone
+from mien.face.render.relief import PIT_SHADE, SLOPE_SHADE, tile
 from mien.face.render.renderer import SPREAD_STEPS, Renderer
 from mien.face.render.scene import Scene
 
@@ -300,10 +301,13 @@ def _shade(
     view /= np.linalg.norm(view, axis=1, keepdims=True)
     normal = mix(normals) * np.where(_doubled_area(corner) > 0, -1, 1)[:, None]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    straight = (normal * view).sum(axis=1)
-    facing = np.maximum(straight, 0.05)
     alpha, head_on = mix(scene.gloss).T
     key, dome = mix(openness).T
+    if renderer.relief_share > 0:
+        normal, shade = _roughened(renderer, triangles, mix(scene.uv), normal, key)
+        colour *= shade
+    straight = (normal * view).sum(axis=1)
+    facing = np.maximum(straight, 0.05)
     gain = np.minimum(1, 12.5 * head_on)
     for number in range(3):
         towards = lights.directions[number].astype(np.float64)
@@ -321,6 +325,26 @@ def _shade(
     grazing = head_on + (np.maximum(1 - alpha, head_on) - head_on) * (1 - facing) ** 5 * gain
     colour += (grazing * dome**2)[:, None] * sky
     return tone(np.asarray(lights.exposure * colour)).astype(np.float64), mix(scene.solid)[:, None]
+
+
+def _roughened(renderer: Renderer, triangles: Array, uv: Array, normal: Array, key: Array) -> tuple[Array, Array]:
+    """Normals bent by the relief of skin, and what it makes of diffuse light, shape (n, 1)."""
+    tiles = renderer.scene.tiles[renderer.scene.triangle_part[triangles]].astype(np.float64)
+    found, size = tile(), len(tile())
+    at = uv * tiles[:, None] * size - 0.5
+    corner = np.floor(at).astype(int)
+    u, v = (at - corner).T
+    total = np.zeros((len(uv), 3))
+    for i, j, share in ((0, 0, (1 - u) * (1 - v)), (1, 0, u * (1 - v)), (0, 1, (1 - u) * v), (1, 1, u * v)):
+        total += share[:, None] * found[(corner[:, 1] + j) % size, (corner[:, 0] + i) % size]
+    total *= renderer.relief_share * (tiles > 0)[:, None]
+    across = np.stack([normal[:, 2], np.zeros(len(uv)), -normal[:, 0]], axis=1)
+    across /= np.sqrt((across**2).sum(axis=1, keepdims=True) + 1e-6)
+    moved = total[:, :1] * across + total[:, 1:2] * np.cross(normal, across)
+    bent = normal - moved
+    turned = -moved @ renderer.lighting.directions[0]
+    shade = 1 + float(SLOPE_SHADE) * key * turned - float(PIT_SHADE) * total[:, 2]
+    return bent / np.linalg.norm(bent, axis=1, keepdims=True), shade[:, None]
 
 
 def _texture(scene: Scene, texels: Array, triangles: Array, corner: Array, uv: Array) -> Array:

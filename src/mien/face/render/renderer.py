@@ -18,6 +18,7 @@ from mien.face.render.camera import Camera, head_extent
 from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.face.render.cores import cores, shared
 from mien.face.render.lighting import Lighting
+from mien.face.render.relief import relief_share, tile
 from mien.face.render.scene import LEVELS, Scene
 from mien.face.render.shading import draw
 
@@ -102,6 +103,7 @@ class Renderer:
         self.key_casters = (
             (scene.casters, scene.caster_vertices) if fine else (scene.coarse_casters, scene.coarse_vertices)
         )
+        self.relief_share = np.float32(relief_share(self.camera.field_mm / height))
         self._light_axes = light.light_axes(self.lighting.directions)
         self.noise = _dither()
         if backdrop is None:
@@ -185,7 +187,7 @@ class Renderer:
                 points, scene.triangles, scene.triangle_part, room.planes, room.level, reach, self._order, begin, end,
                 room.fragments, room.counts, texels, scene.texture_level, view, focal, lights.directions,
                 lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES,
-                self.noise, picture,
+                self.noise, scene.tiles, self.relief_share, tile(), picture,
             )  # fmt: skip
 
         shared(shade, bands, threads)

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from mien.face.model import Face, Part
 from mien.face.posing import shade, welded_vertices
 from mien.face.render.colour import linear_from_srgb
+from mien.face.render.relief import TILE_MM
 
 __all__ = ["LEVELS", "Scene"]
 
@@ -79,6 +80,8 @@ class Scene:
         Their opacity.
     texture_level : ndarray of int32, shape (parts, LEVELS, 3)
         First texel, width and height of each level; width 0 where a part has no texture.
+    tiles : ndarray of float32, shape (parts,)
+        How often the relief of skin repeats in a unit of texture coordinates; 0 where there is none.
     neighbour_start, neighbour, neighbour_weight
         Around which vertices light spreads below the skin: rows (vertices + 1,), (edges,), (edges, 3 colours).
     welded : ndarray of int32, shape (vertices,)
@@ -111,6 +114,7 @@ class Scene:
     texels: NDArray[np.uint8]
     alphas: NDArray[np.uint8]
     texture_level: Indices
+    tiles: Floats
     neighbour_start: Indices
     neighbour: Indices
     neighbour_weight: Floats
@@ -168,6 +172,7 @@ class Scene:
             texels=texels,
             alphas=alphas,
             texture_level=levels,
+            tiles=np.array([_tiles(part) for part in parts], dtype=np.float32),
             **_neighbours(triangles, vertices, welded, scatter, reach_mm),
             welded=welded.astype(np.int32),
             head_centre=centre,
@@ -298,6 +303,17 @@ def _texture_at_vertices(part: Part) -> Floats:
     last = np.array([picture.shape[1] - 1, picture.shape[0] - 1])
     place = np.clip(np.floor(part.uv * (last + 1)).astype(int), 0, last)
     return np.asarray(picture[place[:, 1], place[:, 0]] / 255, dtype=np.float32)
+
+
+def _tiles(part: Part) -> float:
+    """How many tiles of relief a unit of the texture coordinates of skin holds."""
+    if part.material.scatter == 0 or part.name.startswith(_IN_MOUTH) or not len(part.triangles):
+        return 0.0
+    ends = part.triangles[:, :2]
+    length = np.linalg.norm(part.vertices[ends[:, 0]] - part.vertices[ends[:, 1]], axis=1)
+    spread = np.linalg.norm(part.uv[ends[:, 0]] - part.uv[ends[:, 1]], axis=1)
+    known = (spread > 1e-5) & (length > 1e-3)
+    return round(float(np.median(length[known] / spread[known])) / TILE_MM) if known.any() else 0.0
 
 
 def _is_clear(part: Part) -> bool:

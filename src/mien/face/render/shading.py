@@ -32,6 +32,7 @@ from mien.face.render.rasteriser import (
     U,
     V,
 )
+from mien.face.render.relief import roughen
 
 __all__ = ["CHUNK", "draw"]
 
@@ -48,12 +49,14 @@ _MIDDLE = ((_BITS @ SAMPLES) / np.maximum(_BITS.sum(axis=1, keepdims=True), 1)).
 @njit(cache=True, error_model="numpy", nogil=True)
 def draw(
     points, triangles, triangle_part, planes, level, reach, order, begin, end, fragments, counts, texels,
-    texture_level, axes, focal, directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise, out,
+    texture_level, axes, focal, directions, colours, sky, behind, backdrop, exposure, linear, srgb, noise,
+    tiles, relief_share, relief, out,
 ):  # fmt: skip
     """Draw the bands from ``begin`` to ``end`` of ``order`` into ``out``.
 
     It is (height, width, 3) uint8 before a background, or (height, width, 4) before none. ``behind`` (height, width, 3)
-    is the background in linear light, ``backdrop`` the same as pixels.
+    is the background in linear light, ``backdrop`` the same as pixels; ``tiles`` (parts,) and what follows it is the
+    relief of skin (`mien.face.render.relief`).
     """
     height, width = out.shape[:2]
     for number in range(begin, end):
@@ -68,6 +71,7 @@ def draw(
             continue
         total = np.zeros((rows * wide, 4), np.float32)
         chunk, mixed = np.empty(_ROWS * CHUNK, np.float32), np.empty(COLUMNS, np.float32)
+        rough = np.empty(CHUNK, np.float32)
         for first in range(0, count, CHUNK):
             n = min(CHUNK, count - first)
             _look_up(
@@ -75,6 +79,10 @@ def draw(
                 np.float32(1.0 / focal), points, triangles, triangle_part, planes, level, texels, texture_level, linear,
                 axes[0], axes[1], axes[2], mixed, chunk,
             )  # fmt: skip
+            if relief_share > _ZERO:
+                for i in range(n):
+                    rough[i] = tiles[triangle_part[fragments[band, first + i, 0]]]
+                roughen(n, rough, relief_share, relief, directions[0], CHUNK, chunk)
             _shine(n, directions, colours, sky, exposure, chunk)
             for i in range(n):
                 place = fragments[band, first + i, 1]
