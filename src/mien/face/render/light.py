@@ -18,6 +18,7 @@ from mien.core.compiled import njit
 __all__ = [
     "KEY_CELLS",
     "KEY_EDGE_MM",
+    "LEAST_THICK_MM",
     "SOFT_CELLS",
     "SOFT_CELLS_OFF",
     "THROUGH",
@@ -36,11 +37,13 @@ DOME_REACH = -0.35  # a dome light at a lower cosine than this says nothing of h
 SLACK = 0.06  # beyond the cosine at which a light's effect ends, its share is still found, for highlights nearby
 THROUGH, THROUGH_RISE = 0.1, 2.0  # the cosine below which light comes through from the other side, and how soon all
 THROUGH_MM = 2.2  # how many times farther than along the skin light is followed through it
+LEAST_THICK_MM = 4.0  # as thick flesh is at least: what comes through is red
 CHUNK = 256  # vertices that are lit together
 _NX, _NY, _NZ, _PX, _PY, _PZ, _QX, _QY, _QZ, _RED, _GREEN, _BLUE, _KEY, _DOME, _DOME_SEEN, _SCATTER = range(16)
 _OFF, _OFF_SOFT, _STEP, _FACING, _TOTAL, _SEEN, _NEAR, _NEAREST, _THICK, _FU, _FV, _OUT, _THIN, _CELLS = range(16, 30)
 _ROWS = _CELLS + 4
 _ZERO, _HALF, _ONE, _SIXTH, _NINTH = (np.float32(each) for each in (0, 0.5, 1, 1 / 6, 1 / 9))
+_LEAST_THICK = np.float32(LEAST_THICK_MM)
 _BLOCK = 8  # cells of a map that are filled together
 _STEEP, _DOME_WRAP, _THROUGH, _RISE = (np.float32(each) for each in (0.25, 0.3, THROUGH, THROUGH_RISE))
 SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
@@ -294,7 +297,7 @@ def _shine_through(n, colour, depth_mm, c):
         bright, deep = colour[k], _ONE / depth_mm[k]
         for i in range(n):
             behind = max(min(_RISE * (_THROUGH - c[_FACING * CHUNK + i]), _ONE), _ZERO)
-            x = max(c[_THICK * CHUNK + i] + c[_OFF * CHUNK + i], _ZERO) * deep
+            x = max(c[_THICK * CHUNK + i] + c[_OFF * CHUNK + i], _LEAST_THICK) * deep
             passed = _ONE / (_ONE + x * (_ONE + x * (_HALF + x * _SIXTH)))
             c[(_RED + k) * CHUNK + i] += c[_THIN * CHUNK + i] * bright * behind * passed
 

@@ -19,6 +19,7 @@ from mien.face.render.colour import linear_from_srgb, tone
 from mien.face.render.relief import PIT_SHADE, SLOPE_SHADE, tile
 from mien.face.render.renderer import SPREAD_STEPS, Renderer
 from mien.face.render.scene import Scene
+from mien.face.render.shading import MOST_SHINE
 
 __all__ = ["render_reference"]
 
@@ -156,7 +157,9 @@ def _shining_through(renderer: Renderer, number: int, points: Array, facing: Arr
     inside = np.asarray(((at >= 0) & (at < cells - 1)).all(axis=1))
     at = np.where(inside[:, None], at, 0)
     nearest = np.max([depth[at[:, 1] + j, at[:, 0] + i] for i in (0, 1) for j in (0, 1)], axis=0)
-    thick = np.maximum(nearest - place[:, 2] + scene.lift, 0)[:, None] / (lights.reach_mm * light.THROUGH_MM)
+    thick = np.maximum(nearest - place[:, 2] + scene.lift, light.LEAST_THICK_MM)[:, None] / (
+        lights.reach_mm * light.THROUGH_MM
+    )
     behind = np.clip(light.THROUGH_RISE * (light.THROUGH - facing), 0, 1)[:, None]
     return np.asarray(lights.colours[number] * behind / (1 + thick + thick**2 / 2 + thick**3 / 6))
 
@@ -318,7 +321,8 @@ def _shade(
         fresnel = head_on + (1 - head_on) * (1 - (view * half).sum(axis=1)) ** 5 * gain
         masked = 2 * cosine * facing * (1 - alpha) + (cosine + facing) * alpha
         shine = np.where(cosine > 0, 0.5 * alpha**2 / spread**2 * fresnel / masked * cosine, 0)
-        colour += (shine * (key if number == 0 else dome))[:, None] * lights.colours[number]
+        shine = np.minimum(shine, MOST_SHINE / alpha)
+        colour += (shine * (key if number == 0 else dome**4))[:, None] * lights.colours[number]
     up = (2 * straight * normal[:, 1] - view[:, 1])[:, None]
     sky = np.where(up > 0, lights.sky[1] + up * (lights.sky[0] - lights.sky[1]), 0)
     sky = np.where(up > 0, sky, lights.sky[1] - up * (lights.sky[2] - lights.sky[1]))

@@ -34,12 +34,13 @@ from mien.face.render.rasteriser import (
 )
 from mien.face.render.relief import roughen
 
-__all__ = ["CHUNK", "draw"]
+__all__ = ["CHUNK", "MOST_SHINE", "draw"]
 
 CHUNK = 256
 _VX, _VY, _VZ, _STRAIGHT, _SEEN, _ROWS = range(COLUMNS, COLUMNS + 6)
 _ZERO, _HALF, _ONE, _TWO = (np.float32(each) for each in (0, 0.5, 1, 2))
-_TINY, _GRAZING, _FULL_SHINE, _KNEE = (np.float32(each) for each in (1e-9, 0.05, 12.5, KNEE))
+MOST_SHINE = 0.15  # times 1 / alpha: hand-made
+_TINY, _GRAZING, _FULL_SHINE, _MOST_SHINE, _KNEE = (np.float32(each) for each in (1e-9, 0.05, 12.5, MOST_SHINE, KNEE))
 # For the 16 sets of samples: the middle of those in it, and their share of a pixel.
 _BITS = (np.arange(16)[:, None] >> np.arange(4)) & 1
 _SHARE = (_BITS.sum(axis=1) / 4).astype(np.float32)
@@ -201,8 +202,9 @@ def _shine(n, directions, colours, sky, exposure, chunk):
         chunk[_STRAIGHT * CHUNK + i] = nx * vx + ny * vy + nz * vz
         chunk[_SEEN * CHUNK + i] = chunk[KEY * CHUNK + i]
     _highlight(n, directions[0], colours[0], chunk)
-    for i in range(n):
-        chunk[_SEEN * CHUNK + i] = chunk[DOME * CHUNK + i]
+    for i in range(n):  # whose shadows are coarse: in a crease, as between the lips, nothing is to glint
+        dome = chunk[DOME * CHUNK + i]
+        chunk[_SEEN * CHUNK + i] = dome * dome * dome * dome
     _highlight(n, directions[1], colours[1], chunk)
     _highlight(n, directions[2], colours[2], chunk)
     zr, zg, zb = sky[0, 0], sky[0, 1], sky[0, 2]
@@ -251,7 +253,9 @@ def _highlight(n, direction, colour, chunk):
         fifth = away * away * away * away * away
         fresnel = head_on + (_ONE - head_on) * fifth * min(_ONE, _FULL_SHINE * head_on)
         masked = _TWO * lit * facing * (_ONE - alpha) + (lit + facing) * alpha
-        shine = chunk[_SEEN * CHUNK + i] * _HALF * squared * fresnel * lit / (spread * spread * masked)
+        # At a grazing angle a rough surface would mirror as much as a wet one: no more than its roughness allows.
+        shine = min(_HALF * squared * fresnel * lit / (spread * spread * masked), _MOST_SHINE / alpha)
+        shine *= chunk[_SEEN * CHUNK + i]
         chunk[RED * CHUNK + i] += shine * cr
         chunk[(RED + 1) * CHUNK + i] += shine * cg
         chunk[(RED + 2) * CHUNK + i] += shine * cb
