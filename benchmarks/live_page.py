@@ -171,6 +171,8 @@ def section() -> Iterator[str]:
     yield f"| pictures | {' | '.join(heads)} |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
     pace, work, own = found["intervals"], found["work"], found["processor"]
+    if pace["p50"] is None:
+        raise SystemExit("the page drew too few pictures to say how long they take: is this machine busy?")
     yield (
         f"| {found['pictures']} | {pace['p50']:.0f} ms | {pace['p99']:.0f} ms | {work['p50']:.0f} ms | "
         f"{work['p99']:.0f} ms | {np.median(own):.1f} ms | {np.percentile(own, 99):.1f} ms |"
