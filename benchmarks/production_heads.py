@@ -38,7 +38,9 @@ gets the mesh alone, at rest, and no landmarks. Over the skin's vertices that th
 {moving} mm, **error** is the mean distance of our offsets from the artist's as a share of the mean movement (no shape
 at all: 100 %), **cosine** that of all offsets together. **Artists**: the second head's shapes carried to the first one
 by the same two fits, against the first artist's: how far two artists agree (one pair, and the fits' own error
-is in it).
+is in it). Our shapes go part of the way to ict-head's (`tools/bake_face/second_artist.py`): its column says how well
+shapes are carried. Of facecap nothing is in them but that shares and sizes were chosen by it: its column says how near
+they are to another artist's.
 """
 
 
