@@ -16,6 +16,7 @@ from mien.face.model import Face, Material, Part
 from mien.face.surface import vertex_normals
 from mien.fit.photo_camera import PhotoCamera
 from mien.fit.photo_marks import Photo
+from mien.fit.photo_obstacles import obstacles
 from mien.fit.photo_paint import Painted, PaintSettings, paint_from_photos
 from mien.fit.shape_from_photos import PhotoFit, PhotoFitSettings, shape_from_photos
 
@@ -78,7 +79,8 @@ def face_from_photos(
     parts = [_repainted(space, part, painted, pictures, cameras, centred) for part in centred.parts]
     kept = tuple(part for part in parts if part.name != "brows" and (hair or part.name not in _HAIR_PARTS))
     face = replace(centred, parts=kept, licence="")
-    return PhotoFace(face, fit, painted, fit.notes)
+    before = obstacles(space, fit.posed, pictures[0], fit.cameras[0], photos[0].name)
+    return PhotoFace(face, fit, painted, (*fit.notes, *before))
 
 
 def _about_the_eyes(face: Face, fit: PhotoFit) -> tuple[Face, list[PhotoCamera]]:
