@@ -2,13 +2,17 @@
 
 ::
 
-    python benchmarks/made_speakers.py CORPUS CACHE [--takes 18] [--held-out 6] [-o docs/tables/made_speakers.md]
+    python benchmarks/made_speakers.py CORPUS CACHE [--takes 10] [--held-out 12] [-o docs/tables/made_speakers.md]
 
 CORPUS is grid-s1, imported. Each made speaker has a head of its own from the space of heads and says what was recorded
 in a style of its own (`STYLES`): the captured channels of a take, changed by the style, move the head, which is drawn
 and tracked (``mien tracker install``) as a video of a person would be. From then on nothing is known but the pictures'
-landmarks, the sound and the phones: the head is fitted, channels are captured, a performer is learned. CACHE keeps
-landmarks. A speaker without a style, seen the same way, is what gains of styles are measured against.
+landmarks, the sound and the phones: the head is fitted, channels are captured, a performer is learned. It starts from
+one that is learned as the default one is, but from none of these takes. CACHE keeps landmarks and that performer. A
+speaker without a style, seen the same way, is what gains of styles are measured against.
+
+A gain is the slope of what a performer does on what the plain speaker's does. What can be reached at all is told too:
+how near the other speakers' own recordings of the same lines come.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from capture import made_head, tracked  # benchmarks/capture.py, beside this file
+from capture import made_head, slope, tracked  # benchmarks/capture.py, beside this file
 from mien.capture.capture import capture_take
 from mien.capture.person import fit_person
 from mien.core.audio import Audio
@@ -31,14 +35,15 @@ from mien.core.files import replace_when_complete
 from mien.core.timeline import Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
-from mien.corpus.recordings import Corpus
+from mien.corpus.recordings import Corpus, identity_of
 from mien.corpus.take import Take
 from mien.face.model import Face
 from mien.metrics import mouth
 from mien.metrics.face_track import FaceTrack
 from mien.metrics.pairing import constant_offset
-from mien.motion.learning import LearningSettings, learn
+from mien.motion.learning import LearningSettings, learn, learn_corpus
 from mien.motion.mouth.learned_mouth import LearnedMouth
+from mien.motion.performer_file import LearnedSpeech, load_learned, save_learned
 
 DOCS = Path(__file__).parent.parent / "docs"
 Floats = NDArray[np.float64]
@@ -48,6 +53,8 @@ EDGE = 0.24  # seconds before and after speech
 UNDRAWN = ("hair", "hair_clumps", "shirt")
 MOVED = ("mouth", "jaw", "eyeBlink")
 SENTENCES = 44
+RMS, IN_SPACE = "lips_rms_frontal_mm", "lips_rms_mm"
+"""One camera guesses depth, and lips that protrude count as wrong in space: both are told."""
 LATEST, STEP = 0.12, 0.005  # seconds: how late lips may be found
 
 
@@ -151,13 +158,13 @@ def performed(speaker: LearnedMouth, take: Take) -> ChannelTrack:
     return ChannelTrack(ALL, values, take.markers.rate)
 
 
-def distance(speaker: LearnedMouth, takes: Sequence[Take]) -> tuple[float, float]:
-    """Of the face shown from a person's recordings: lips, mm (constant offset removed), and r of the opening."""
+def distance(speaker: LearnedMouth, takes: Sequence[Take]) -> tuple[float, float, float]:
+    """Of the face shown from a person's recordings: lips from the front and in space, mm, and r of the opening."""
     shown = [(FaceTrack.of_take(take), FaceTrack.of_channels(performed(speaker, take))) for take in takes]
     pairs = [mouth.mouth_pair(one, other)[0] for one, other in shown]
     offset = np.average([constant_offset(pair) for pair in pairs], axis=0, weights=[p.counted.sum() for p in pairs])
     scores = [mouth.evaluate(one, other, offset=offset) for one, other in shown]
-    return tuple(float(np.mean([score[key] for score in scores])) for key in ("lips_rms_mm", "opening_r"))  # type: ignore[return-value]
+    return tuple(float(np.mean([score[key] for score in scores])) for key in (RMS, IN_SPACE, "opening_r"))  # type: ignore[return-value]
 
 
 def styled(speaker: LearnedMouth, plain: LearnedMouth, takes: Sequence[Take]) -> tuple[float, float, float]:
@@ -167,13 +174,43 @@ def styled(speaker: LearnedMouth, plain: LearnedMouth, takes: Sequence[Take]) ->
     def joined(tracks: Sequence[ChannelTrack], name: str) -> Floats:
         return np.concatenate([track.channel(name) for track in tracks])
 
-    jaw = joined(own, "jawOpen").std() / joined(other, "jawOpen").std()
+    jaw = slope(joined(other, "jawOpen"), joined(own, "jawOpen"))
     puckers = joined(own, "mouthPucker"), joined(other, "mouthPucker")
     frames = np.arange(len(puckers[0]))
     fps = takes[0].markers.rate.fps
     lags = np.arange(-LATEST, LATEST + STEP / 2, STEP)
-    fits = [np.corrcoef(puckers[0], np.interp(frames - lag * fps, frames, puckers[1]))[0, 1] for lag in lags]
-    return float(jaw), float(puckers[0].std() / puckers[1].std()), float(lags[int(np.argmax(fits))])
+    later = [np.interp(frames - lag * fps, frames, puckers[1]) for lag in lags]
+    best = int(np.argmax([np.corrcoef(puckers[0], other)[0, 1] for other in later]))
+    return jaw, slope(later[best], puckers[0]), float(lags[best])
+
+
+def started_from(corpus: Corpus, takes: Sequence[Take], cache: Path) -> LearnedSpeech:
+    """A performer of the corpus that never met the takes; kept in the cache."""
+    kept = cache / "start.mien"
+    if not kept.exists():
+        settings = LearningSettings(speech_model="coarticulation")
+        spread = np.linspace(0, len(corpus) - 1, SENTENCES).astype(int)
+        left_out = {corpus.names[place] for place in spread}
+        save_learned(learn_corpus(corpus, settings, name="start", exclude_names=left_out), kept)
+    start = load_learned(kept)
+    assert not {identity_of(corpus.take(take.name)) for take in takes} & set(start.trained_on)
+    return start
+
+
+def recorded_apart(one: Sequence[Take], other: Sequence[Take]) -> float:
+    """How near somebody else's recordings of the same lines come on the face, mm as in `distance`."""
+    pairs = [
+        mouth.mouth_pair(FaceTrack.of_take(a), FaceTrack.of_channels(b.channels))[0]
+        for a, b in zip(one, other, strict=True)
+        if b.channels is not None
+    ]
+    offset = np.average([constant_offset(pair) for pair in pairs], axis=0, weights=[p.counted.sum() for p in pairs])
+    scores = [
+        mouth.evaluate(FaceTrack.of_take(a), FaceTrack.of_channels(b.channels), offset=offset)[RMS]
+        for a, b in zip(one, other, strict=True)
+        if b.channels is not None
+    ]
+    return float(np.mean(scores))
 
 
 def main() -> None:
@@ -181,8 +218,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("corpus", type=Path)
     parser.add_argument("cache", type=Path)
-    parser.add_argument("--takes", type=int, default=18)
-    parser.add_argument("--held-out", type=int, default=6)
+    parser.add_argument("--takes", type=int, default=10)
+    parser.add_argument("--held-out", type=int, default=12)
     parser.add_argument("-o", "--output", type=Path, default=DOCS / "tables" / "made_speakers.md")
     options = parser.parse_args()
     options.cache.mkdir(parents=True, exist_ok=True)
@@ -191,32 +228,36 @@ def main() -> None:
     spread = np.linspace(0, len(corpus) - 1, SENTENCES).astype(int)
     order = np.random.default_rng(0).permutation(SENTENCES)[:count]  # fewer takes are some of the same
     names = [corpus.names[spread[place]] for place in order]
-    every = -(-count // options.held_out)
     takes = [spoken_part(corpus.take(name)) for name in names]
     people = {name: takes_of(takes, style, options.cache) for name, style in STYLES.items()}
-    held = {name: found[::every] for name, found in people.items()}
+    held = {name: found[options.takes :] for name, found in people.items()}
+    start = started_from(corpus, takes, options.cache)
     performers = {}
     for name, found in people.items():
-        known = [take for place, take in enumerate(found) if place % every]
-        performers[name] = LearnedMouth(learn(known, LearningSettings(speech_model="coarticulation"), name="made"))
+        known, settings = found[: options.takes], LearningSettings(speech_model="coarticulation")
+        performers[name] = LearnedMouth(learn(known, settings, name="made", prior=start))
         print(f"learned: {name}, {len(known)} takes", flush=True)
+    begun = LearnedMouth(start)
     lines = [
         "# Performers of made speakers",
         "",
         "Written by `python benchmarks/made_speakers.py CORPUS CACHE`; what was done stands at its head. "
         f"{count - len(held['plain'])} takes to learn from, {len(held['plain'])} held out, for each speaker.",
         "",
-        "Lips of the face shown against the speaker's own held-out recordings: RMS in mm, constant offset removed "
-        "(r of the opening). A row is a speaker, a column a performer.",
+        "Lips of the face shown against the speaker's own held-out recordings: RMS from the front in mm, constant "
+        "offset removed (r of the opening). A row is a speaker, a column a performer.",
         "",
-        "| recordings of | " + " | ".join(performers) + " | nearest other / own |",
-        "| --- |" + " ---: |" * (len(performers) + 1),
+        "| recordings of | "
+        + " | ".join(performers)
+        + " | start | nearest other / own | in space | others' own recordings |",
+        "| --- |" + " ---: |" * (len(performers) + 4),
     ]
     for name, recordings in held.items():
         found = {other: distance(performer, recordings) for other, performer in performers.items()}
-        others = min(rms for other, (rms, _) in found.items() if other != name)
-        cells = " | ".join(f"{rms:.2f} ({r:.2f})" for rms, r in found.values())
-        lines.append(f"| {name} | {cells} | {others / found[name][0]:.2f} |")
+        nearest = [min(rms[k] for other, rms in found.items() if other != name) / found[name][k] for k in (0, 1)]
+        cells = " | ".join(f"{rms:.2f} ({r:.2f})" for rms, _, r in (*found.values(), distance(begun, recordings)))
+        apart = min(recorded_apart(recordings, those) for other, those in held.items() if other != name)
+        lines.append(f"| {name} | {cells} | {nearest[0]:.2f} | {nearest[1]:.2f} | {apart:.2f} |")
     lines += [
         "",
         "Styles found again, of performers on the held-out lines beside the performer of the plain speaker:",

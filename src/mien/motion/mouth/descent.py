@@ -12,7 +12,7 @@ __all__ = ["Adam", "going_on"]
 
 _MEMORY, _POWER_MEMORY, _FLOOR = 0.9, 0.99, 1e-8
 
-HELD, LEAST_STEPS, CAREFUL = 100.0, 40, 0.3
+HELD, LEAST_STEPS, CAREFUL = 100.0, 20, 0.3
 """Learning on: frames that a start counts as; steps that are made at least; share of the usual rate."""
 
 Array = NDArray[np.floating[Any]]
@@ -24,7 +24,7 @@ def going_on(frames: int, batch: int, epochs: int, rate: float) -> tuple[int, fl
     Examples
     --------
     >>> going_on(512, 256, 8, 0.02)[0]  # few frames are gone through more often
-    3
+    2
     """
     steps = epochs * -(-frames // batch)
     return max(1, -(-LEAST_STEPS // steps)), CAREFUL * rate, HELD / frames

@@ -150,8 +150,6 @@ class SpeechMotion:
                 seen, components, after_epoch, None if start is None else start.correction
             )
         self.spread_ = self._spread_of(mouths) if self.settings.as_recorded else None
-        if start is not None and self.spread_ is not None:
-            self.spread_ = start.spread_with(self.spread_, len(rows))
         self.closure_ = LipClosure(self.mouth_).fit(mouths, None if start is None else start.closure)
         self.coverage_ = Coverage().fit([mouth.phones for mouth in mouths])
         if prior is not None:

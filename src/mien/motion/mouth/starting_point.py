@@ -30,19 +30,16 @@ from mien.motion.mouth.influence import InfluenceCurves
 from mien.motion.mouth.lip_closure import LipClosure
 from mien.motion.mouth.mouth_space import ChannelSpace, mouth_space_of
 from mien.motion.mouth.recorded_mouths import RecordedMouth
-from mien.motion.mouth.spread import RecordedSpread
 
 if TYPE_CHECKING:
     from mien.motion.mouth.speech_motion import SpeechMotion
 
 __all__ = ["StartingPoint", "joined_space"]
 
-FRAMES_HELD = 20
+FRAMES_HELD = 60
 """Frames that the other performer's axes count as."""
-MEAN_SHARE = 0.5
+MEAN_SHARE = 1 / 6
 """Of that, what its mean counts as: people differ more at rest than in how they move."""
-SPREAD_FRAMES = 3000
-"""Frames that the other performer's gains and sharpness count as."""
 
 Floats = NDArray[np.float64]
 
@@ -75,7 +72,6 @@ class StartingPoint:
     edits : ndarray, shape (frames, components)
         What key shapes of the other performer that were changed add in the frames of the takes.
     closure : LipClosure
-    spread : RecordedSpread or None
     """
 
     space: EMPCA
@@ -83,7 +79,6 @@ class StartingPoint:
     correction: Correction | None
     edits: Floats
     closure: LipClosure
-    spread: RecordedSpread | None
 
     @classmethod
     def of(cls, prior: SpeechMotion, mouths: Sequence[RecordedMouth], space: ChannelSpace) -> StartingPoint:
@@ -111,16 +106,7 @@ class StartingPoint:
             ]
         plain = np.concatenate([prior.unedited(mouth.phones, mouth.times) for mouth in mouths])
         edits = (answered - plain) @ way
-        return cls(poses_space, curves, correction, edits, _closure_in(prior, space), prior.spread_)
-
-    def spread_with(self, own: RecordedSpread, frames: int) -> RecordedSpread:
-        """Gains and sharpness between the other performer's and those of the takes, by how many frames there are."""
-        if self.spread is None:
-            return own
-        share = frames / (frames + SPREAD_FRAMES)
-        gain = self.spread.gain_ ** (1 - share) * own.gain_**share
-        sharpness = (1 - share) * self.spread.sharpness_ + share * own.sharpness_
-        return RecordedSpread().restore(own.centre_, gain, sharpness)
+        return cls(poses_space, curves, correction, edits, _closure_in(prior, space))
 
 
 def _in_space(prior: SpeechMotion, space: ChannelSpace, rows: Floats) -> Floats:
