@@ -94,14 +94,14 @@ class LiveRecording:
         name : str
             Of the performer.
         whole : bool
-            All sound that came, rather than what was taken for the frames.
+            All sound that came, rather than what was taken for the frames. Where all of it was shown that is so
+            anyway: the silence that a late machine shows before and after it is left out.
         """
-        samples = _read(self._came if whole else self._sound, "<f4")
-        rows = _read(self._frames, "<f8").reshape(-1, _WIDTH)
+        came, rows = _read(self._came, "<f4"), _read(self._frames, "<f8").reshape(-1, _WIDTH)
+        shown = round((float(rows[-1, 0]) + settings.rate.time_of(1)) * RATE) if len(rows) else 0
+        samples = came if whole or shown >= len(came) > 0 else _read(self._sound, "<f4")[:shown]
         if not len(samples) or not len(rows):
             return None
-        if not whole:
-            samples = samples[: round((float(rows[-1, 0]) + settings.rate.time_of(1)) * RATE)]
         made = LiveRecording(self._labels)
         with made, threadpool_limits(1):
             audio = Audio(samples, RATE)

@@ -236,6 +236,14 @@ def microphones() -> list[str]:
     return [f"{number}: {device['name']}" for number, device in enumerate(found) if device["max_input_channels"] > 0]
 
 
+def _is_stored(descriptor: int) -> bool:
+    """Whether a descriptor is that of a file, as in ``mien live - < sound.wav``."""
+    try:
+        return stat.S_ISREG(os.fstat(descriptor).st_mode)
+    except OSError:
+        return False
+
+
 def open_source(place: str, raw: PcmForm, pace: Pace = "auto", follow: bool = False) -> SoundSource:
     """The sound of standard input (``-``), of a pipe, or of a file.
 
@@ -245,6 +253,8 @@ def open_source(place: str, raw: PcmForm, pace: Pace = "auto", follow: bool = Fa
         If there is no such file, or it is none that can be read.
     """
     if place == "-":
+        if pace == "auto" and not follow and _is_stored(0):
+            pace = "stored"
         return StreamSource(lambda: 0, "standard input", raw, pace, follow)
     path = Path(place)
     try:
