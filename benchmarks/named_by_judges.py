@@ -51,6 +51,7 @@ SENTENCES = (
     "My brother bought the blue book.",
 )
 SIDE, STEP = 320, 5
+STRENGTHS = (1.0, 0.5)
 SEEN = ("angry", "disgusted", "afraid", "happy", "sad", "surprised", "neutral")
 """What the judge says, in the order of its outputs."""
 CROPS = (0.84, 0.92, 1.0)
@@ -143,8 +144,9 @@ def confusion(judge: Judge, stage: Stage, lines: list[Utterance], emotion: str, 
     return np.asarray(np.mean(shares, axis=0))
 
 
-def table(judge: Judge, face: str, intensity: float) -> list[str]:
-    """The confusions of one face at one strength as lines of Markdown."""
+def table(judge: Judge, face: str, intensity: float) -> tuple[list[str], dict[str, float]]:
+    """The confusions of one face at one strength as lines of Markdown, and how often each emotion is named."""
+    right: dict[str, float] = {}
     stage, lines = Stage(face), [mien.say(text).utterance for text in SENTENCES]
     named = {1.0: "full strength", 0.5: "half strength"}[intensity]
     head = [f"## {face}, {named}", "", "| asked | named so | people (each) | " + " | ".join(SEEN) + " |"]
@@ -153,11 +155,25 @@ def table(judge: Judge, face: str, intensity: float) -> list[str]:
         if emotion == "neutral" and intensity < 1:
             continue
         shares = confusion(judge, stage, lines, emotion, intensity)
-        own = f"{shares[SEEN.index(emotion)]:.2f}" if emotion in SEEN else "no word"
+        if emotion in SEEN:
+            right[emotion] = float(shares[SEEN.index(emotion)])
+        own = f"{right[emotion]:.2f}" if emotion in SEEN else "no word"
         real = "{:.2f} ({})".format(*PEOPLE[emotion]) if emotion in PEOPLE and intensity == 1 else ""
         head.append(f"| {emotion} | {own} | {real} | " + " | ".join(f"{share:.2f}" for share in shares) + " |")
         print(head[-1], flush=True)
-    return [*head, ""]
+    return [*head, ""], right
+
+
+def of_all(named: dict[str, dict[float, dict[str, float]]]) -> list[str]:
+    """How often each emotion is named on each face, and the mean."""
+    lines = ["## All faces", "", "| named so, full / half strength | " + " | ".join(named) + " | mean | people |"]
+    lines.append("| --- |" + " ---: |" * (len(named) + 2))
+    for emotion in (name for name in SEEN if name in hand_made_expression().names):
+        cells = [[one[strength].get(emotion, np.nan) for strength in STRENGTHS] for one in named.values()]
+        cells.append(list(np.mean(cells, axis=0)))
+        told = ["{:.2f} / {:.2f}".format(*pair).replace(" / nan", "") for pair in cells]
+        lines.append(f"| {emotion} | " + " | ".join(told) + f" | {PEOPLE[emotion][0]:.2f} |")
+    return [*lines, ""]
 
 
 def main() -> None:
@@ -179,9 +195,12 @@ def main() -> None:
         "the judge puts each emotion on top, mean over four spoken sentences.",
         "",
     ]
+    named: dict[str, dict[float, dict[str, float]]] = {face: {} for face in given.face}
     for face in given.face:
-        for intensity in (1.0, 0.5):
-            rows += table(judge, face, intensity)
+        for intensity in STRENGTHS:
+            lines, named[face][intensity] = table(judge, face, intensity)
+            rows += lines
+    rows += of_all(named)
     with replace_when_complete(given.out) as unfinished:
         unfinished.write_text("\n".join(rows), encoding="utf-8")
 

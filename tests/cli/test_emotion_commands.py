@@ -15,7 +15,7 @@ from mien.emotion.emotion_over_time import emotion_spans
 
 @pytest.fixture(scope="module")
 def angry(shared_data: Path) -> Path:
-    return shared_data / "emodb" / "audio" / "03a01Wa.flac"
+    return shared_data / "emodb" / "audio" / "08a01Wa.flac"
 
 
 @pytest.mark.data
@@ -57,7 +57,7 @@ def test_files_of_one_speaker_are_judged_beside_one_another(angry: Path, capsys:
 
 @pytest.mark.data
 def test_a_neutral_baseline(angry: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    neutral = str(angry.with_name("03a01Nc.flac"))
+    neutral = str(angry.with_name("08a01Na.flac"))
     assert main(["emotion", "--json", str(angry), "--baseline", neutral]) == 0
     told = capsys.readouterr()
     assert json.loads(told.out)["emotion"] == "angry"
