@@ -13,6 +13,7 @@ from mien.animation.animation import Animation
 from mien.capture.layouts import find_layout
 from mien.core.channels import ALL
 from mien.core.errors import InputError
+from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.corpus.readers import reader_named
 from mien.corpus.recipes import load_recipe
@@ -74,6 +75,18 @@ def test_another_reader_takes_markers_and_sound(animation: Animation, tmp_path: 
     read = ezc3d.c3d(str(tmp_path / "a.c3d"))["data"]["analogs"][0, 0]
     np.testing.assert_allclose(sound, read, atol=1e-6)
     assert np.abs(sound).max() > 0.1
+
+
+@pytest.mark.parametrize("fps", ["24", "30000/1001", "59.94", "60"])
+def test_another_reader_takes_every_frame_rate(animation: Animation, fps: str, tmp_path: Path) -> None:
+    c3d = pytest.importorskip("c3d", reason="a reader by somebody else, of the extra 'dev'")
+    rate = FrameRate.of(fps)
+    channels = replace(animation.channels, rate=rate)
+    write_c3d(replace(animation, channels=channels), load_face(), tmp_path / "a.c3d")
+    with (tmp_path / "a.c3d").open("rb") as file:
+        reader = c3d.Reader(file)
+        assert len(list(reader.read_frames())) == len(channels)
+    assert reader.point_rate == pytest.approx(rate.fps, abs=1e-3)
 
 
 def test_another_layout_and_no_sound(animation: Animation, tmp_path: Path) -> None:

@@ -162,6 +162,12 @@ def _recording() -> list[Finding]:
         found.append(Finding("dask", "optional", "no work on a cluster without it; pip install 'mien[dask]'"))
     else:
         found.append(Finding("dask", "ok", f"{version('distributed')}: --cluster of corpus import, stimuli and batch"))
+    for name, package, tag in (("words of Chinese", "rjieba", "zh"), ("words of Japanese", "janome", "ja")):
+        if find_spec(package) is None:
+            told = f"text needs blanks between words without it; pip install 'mien[{tag}]'"
+            found.append(Finding(name, "optional", told))
+        else:
+            found.append(Finding(name, "ok", f"{package} {version(package)}"))
     found.append(_microphone())
     return found
 

@@ -173,11 +173,17 @@ def _with_analog_arrays(content: bytes) -> bytes:
 
 
 def _sound(animation: Animation, frames: int) -> tuple[Floats, float]:
-    """Samples for every frame, and their rate: the next multiple of the frame rate above the sound's own."""
+    """Samples for every frame, and their rate: the next multiple of the frame rate above the sound's own.
+
+    Both rates are kept in 32 bits. Where their quotient would not be whole then (59.94), the multiple is a power of
+    two, since readers such as PyPI's c3d refuse any other.
+    """
     import soxr
 
     audio, fps = animation.utterance.audio, animation.rate.fps
     each = math.ceil(audio.rate / fps - 1e-9)
+    if float(np.float32(each * fps)) != each * float(np.float32(fps)):
+        each = 2 ** math.ceil(math.log2(each))
     samples = np.asarray(soxr.resample(audio.samples, audio.rate, each * fps, quality="HQ"), dtype=np.float64)
     filled = np.zeros(frames * each)
     filled[: min(len(samples), len(filled))] = samples[: len(filled)]
