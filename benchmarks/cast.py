@@ -106,7 +106,7 @@ def main() -> None:
     table = "\n".join("| " + " | ".join(row) + " |" for row in [HEAD, ["---"] * len(HEAD), *rows])
     if given.out:
         with replace_when_complete(given.out) as unfinished:
-            unfinished.write_text(f"# The cast\n\n{__doc__}\n{table}\n")
+            unfinished.write_text(f"# The cast\n\n{__doc__.replace('::' + chr(10) * 2, '', 1)}\n{table}\n")
 
 
 if __name__ == "__main__":
