@@ -27,7 +27,7 @@ __all__ = ["SpeechFrames", "analyse", "voice_features"]
 
 RATE, HOP, WINDOW = 16_000, 256, 512
 STEP = HOP / RATE
-_BLOCK = 4096  # frames
+_BLOCK = 1024  # frames
 _BANDS, _CEPSTRA = 26, 14
 _BAND_LOW, _BAND_HIGH = 80.0, 6500.0
 _SPEECH_RANGE_DB = 32.0
