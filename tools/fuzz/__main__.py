@@ -109,7 +109,10 @@ def _batch(
         log = _write(work / "log", b"")
         child = os.fork()
         if child == 0:
-            _child(target, seeds, seed, first, work, log)
+            try:
+                _child(target, seeds, seed, first, work, log)
+            finally:
+                os._exit(1)  # never up into our own ends, which remove the folder
         lost = _watch(child, log)
         lines = [json.loads(line) for line in log.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
         done = [line for line in lines if "kind" in line]
