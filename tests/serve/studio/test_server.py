@@ -311,8 +311,8 @@ def test_a_face_comes_compressed_and_only_once(client: Client) -> None:
 
 def test_the_cast_has_pictures(client: Client) -> None:
     faces = client.ask("GET", "/api/faces").json["faces"]
-    assert faces[0] == {"face": "default", "name": "default", "own": False}
-    for face in (one for one in faces if not one["own"]):
+    assert faces[0] == {"face": "default", "name": "default", "own": False, "picture": True}
+    for face in (one for one in faces if one["picture"]):
         assert client.ask("GET", f"/api/faces/{face['face']}.jpg").body[:2] == b"\xff\xd8", face
     assert client.ask("GET", "/api/faces/nobody.jpg").status == 404
 
