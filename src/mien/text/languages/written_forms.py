@@ -122,6 +122,8 @@ class _Reader:
 
     def _patterns(self) -> Iterator[tuple[str, str]]:
         table, number = self.table, self.numbers.pattern
+        # Chinese and Japanese put no blanks about figures
+        start, end = (r"(?<![\d.,])", "(?![A-Za-z])") if "east" in table else (r"(?<![\w.,])", r"(?!\w)")
         day, month = r"(?:0?[1-9]|[12]\d|3[01])", r"(?:0?[1-9]|1[0-2])"
         hour, minute = r"(?:[01]?\d|2[0-4])", r"[0-5]\d"
         spaced = "|".join(re.escape(name) for name in self.short if " " in name)
@@ -157,17 +159,17 @@ class _Reader:
         money = "|".join(re.escape(sign) for sign in sorted(self.money, key=len, reverse=True))
         if money:
             before = money + "".join(f"|{sign}" for sign in table.get("unit_before", ""))
-            yield "before", rf"(?P<bs>{before}){_BLANK}(?P<bn>{number})(?!\w)"
-            yield "after", rf"(?<![\w.,])(?P<an>{number}){_BLANK}(?P<as>{money})(?!\w)"
+            yield "before", rf"(?P<bs>{before}){_BLANK}(?P<bn>{number}){end}"
+            yield "after", rf"{start}(?P<an>{number}){_BLANK}(?P<as>{money}){end}"
         units = "|".join(re.escape(sign) for sign in sorted(self.units, key=len, reverse=True))
         minus = r"(?P<{}>(?<![\w\d])[-−](?=\d))?"
         if units:
-            yield "unit", rf"(?:(?<![\w.,])|(?<=[-−])){minus.format('um')}(?P<un>{number}){_BLANK}(?P<us>{units})(?!\w)"
+            yield "unit", rf"(?:{start}|(?<=[-−])){minus.format('um')}(?P<un>{number}){_BLANK}(?P<us>{units}){end}"
         fractions = "|".join(sign for sign in self.signs if "/" in sign)
         if fractions:
             yield "fraction", rf"(?<![\w/.,])(?:{fractions})(?![\w/]|[.,]\d)"
         for place, suffix in enumerate(self.ordinals):
-            yield f"ordinal{place}", rf"(?<![\w.,])(?P<o{place}>\d{{1,4}})(?:{suffix})"
+            yield f"ordinal{place}", rf"{start}(?P<o{place}>\d{{1,4}})(?:{suffix})"
         if "year" in table:
             yield "year", r"(?<![\w.,:/-])(?:1[1-9]|20)\d\d(?![\w:/]|[.,]\d|[-–]\d)"
         if "range" in table:
@@ -204,10 +206,10 @@ class _Reader:
             )
         if "clock_letter" in self.table:
             letter, ends = self.table["clock_letter"], self.table.get("clock_minute", "min")
-            edge = "" if "east" in self.table else r"(?![\w/])"
+            before, edge = (r"(?<![\d.,])", "") if "east" in self.table else (r"(?<![\w.,])", r"(?![\w/])")
             yield (
                 "letter",
-                rf"(?<![\w.,])(?P<lh>{hour}){_BLANK}(?:{letter})(?:{_BLANK}(?P<lm>{minute})(?:{_BLANK}(?:{ends}))?)?{edge}",
+                rf"{before}(?P<lh>{hour}){_BLANK}(?:{letter})(?:{_BLANK}(?P<lm>{minute})(?:{_BLANK}(?:{ends}))?)?{edge}",
             )
         if after:
             yield "whole", rf"(?<![\w.,])(?P<wh>{hour}){tail}"
