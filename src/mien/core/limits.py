@@ -18,12 +18,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import IO, Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import IO, TYPE_CHECKING, Any
 
 from mien.core.errors import InputError
+
+if TYPE_CHECKING:  # help reads a table, and is not to wait for numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = [
     "LIMITS",
@@ -320,6 +321,8 @@ def array_of(file: IO[bytes], size: int, where: object) -> NDArray[Any]:
     content = file.read(wanted)
     if len(content) < wanted:
         raise InputError(f"{where}: cut short: {wanted} bytes promised, {len(content)} there")
+    import numpy as np
+
     flat = np.frombuffer(bytearray(content), dtype=dtype, count=count)
     return flat.reshape(shape, order="F" if in_columns else "C")
 
@@ -345,6 +348,8 @@ def array_header(file: IO[bytes], size: int, where: object) -> tuple[tuple[int, 
 
 def _header(text: str, where: object) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     from ast import literal_eval
+
+    import numpy as np
 
     try:
         facts = literal_eval(text.strip())
