@@ -48,7 +48,7 @@ def mutated(content: bytes, random: Random, others: Sequence[bytes]) -> bytes:
 def _one(content: bytes, random: Random, others: Sequence[bytes]) -> bytes:
     if content[:2] == b"PK" and random.random() < 0.8:
         return _archive(content, random, others)
-    if content[:6] == b"\x93NUMPY" and random.random() < 0.6:
+    if content[:6] == b"\x93NUMPY" and len(content) >= 10 and random.random() < 0.6:
         return _array_header(content, random)
     if content[:4] == b"glTF" and random.random() < 0.7:
         return _glb(content, random)
