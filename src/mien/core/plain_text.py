@@ -6,13 +6,15 @@ Every text that a command reads comes through here, so that all of them take the
 from __future__ import annotations
 
 import codecs
+import json
 import re
 from pathlib import Path
+from typing import Any
 
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_size, read_bytes
 
-__all__ = ["decode_text", "first_lines", "read_plain_text"]
+__all__ = ["decode_text", "first_lines", "parsed_json", "read_plain_text"]
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -106,3 +108,26 @@ def _wide_without_mark(content: bytes) -> str | None:
     if odd > 0.6 and even < 0.1:
         return "utf-16-le"
     return "utf-16-be" if even > 0.6 and odd < 0.1 else None
+
+
+def parsed_json(text: str | bytes) -> Any:
+    """What a JSON text says.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or nested too deeply for Python to follow.
+
+    Examples
+    --------
+    >>> parsed_json('{"takes": [1, 2]}')
+    {'takes': [1, 2]}
+    >>> parsed_json("[" * 100_000)
+    Traceback (most recent call last):
+        ...
+    ValueError: nested too deeply
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None

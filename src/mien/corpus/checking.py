@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from mien.capture.cleaning.lag import MAX_LAG, Lag, lag_from_sound
 from mien.core.errors import InputError
+from mien.core.plain_text import parsed_json
 from mien.core.tracks import MarkerTrack
 from mien.corpus.recordings import Corpus, digest_of
 from mien.corpus.take import Take
@@ -256,7 +256,7 @@ def _said(lag: Lag | None) -> str:
 def _refused(path: Path) -> list[Fault]:
     if not path.exists():
         return []
-    entries = (json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line.strip())
+    entries = (parsed_json(line) for line in path.read_text(encoding="utf-8").splitlines() if line.strip())
     return [Fault(e["name"], e["file"], None, f"not in the corpus: {e['reason']}") for e in entries]
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError, MienError, Note, OutputError
 from mien.core.files import held_alone, replace_when_complete
+from mien.core.plain_text import parsed_json
 from mien.corpus.capturing import capture_corpus
 from mien.corpus.cheap_checks import cheap_faults
 from mien.corpus.file_layout import located
@@ -208,7 +209,7 @@ def _journal(corpus: Corpus) -> dict[str, dict[str, Any]]:
     entries = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         try:
-            entry = json.loads(line)
+            entry = parsed_json(line)
         except ValueError:
             continue
         entries[str(entry["name"])] = entry

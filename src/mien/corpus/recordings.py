@@ -35,6 +35,7 @@ from mien.core.border import reading
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays
+from mien.core.plain_text import parsed_json
 from mien.core.timeline import FrameRate, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.take import Take
@@ -269,7 +270,7 @@ class Corpus:
     def _read_about(self) -> dict[str, Any]:
         path = self.folder / "corpus.json"
         try:
-            about = json.loads(path.read_text(encoding="utf-8"))
+            about = parsed_json(path.read_text(encoding="utf-8"))
         except FileNotFoundError as problem:
             raise InputError(
                 f"{self.folder}: expected a corpus (a folder with corpus.json); make one with 'mien corpus import'"
@@ -291,7 +292,7 @@ class Corpus:
         entries = {}
         for number, line in enumerate(lines, start=1):
             try:
-                entry = json.loads(line)
+                entry = parsed_json(line)
                 missing = [key for key in _IN_EVERY_LINE if key not in entry]
             except (ValueError, TypeError) as problem:
                 raise InputError(f"{path}, line {number}: expected one take as JSON ({problem})") from problem

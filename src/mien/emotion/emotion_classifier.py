@@ -28,6 +28,7 @@ from mien.core.emotions import emotions as emotion_tables
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays, read_bytes, read_member
+from mien.core.plain_text import parsed_json
 from mien.emotion.emotion_samples import VOICE, EmotionSamples, feature_names, features_of
 from mien.emotion.support_vectors import Kernel, SupportVectors
 from mien.speech.voice_features import STEP, SpeechFrames, analyse
@@ -343,7 +344,7 @@ def load_classifier(path: str | Path) -> EmotionClassifier:
 def _read(content: bytes, name: str) -> EmotionClassifier:
     with reading(name, "a classifier made by 'mien emotion-train'"):
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            head = json.loads(read_member(archive, "classifier.json", name))
+            head = parsed_json(read_member(archive, "classifier.json", name))
             if head.get("format") != FORMAT:
                 raise KeyError("format")
             if head["version"] > VERSION:

@@ -22,6 +22,7 @@ from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays
 from mien.core.pictures import opened_picture
+from mien.core.plain_text import parsed_json
 from mien.face.model import Eye, Face, Material, Part, Target
 
 __all__ = ["read_face", "write_face"]
@@ -121,7 +122,7 @@ def read_face(path: str | Path) -> Face:
     if not path.exists():
         raise InputError(f"there is no face file {path}")
     arrays = load_arrays(path)
-    facts = json.loads(arrays["face"].tobytes())
+    facts = parsed_json(arrays["face"].tobytes())
     if facts["format"] != FORMAT:
         raise InputError(f"{path} is a face in format {str(facts['format'])[:80]!r}; this mien reads {FORMAT!r}")
     face = Face(

@@ -33,6 +33,7 @@ from mien.core.border import reading
 from mien.core.errors import InputError, unknown_name
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays, read_member
+from mien.core.plain_text import parsed_json
 from mien.motion.em_pca import EMPCA
 from mien.motion.expression.expression_file import (
     RecordedExpressions,
@@ -257,7 +258,7 @@ def load_learned(path: str | Path) -> LearnedSpeech:
     with reading(path, "a performer"):
         with zipfile.ZipFile(path) as archive:
             written = read_member(archive, "performer.json", path)
-        content = json.loads(written)
+        content = parsed_json(written)
         if content.get("format") != FORMAT or content.get("version") not in READABLE:
             found = f"{str(content.get('format'))[:40]} {str(content.get('version'))[:40]}"
             raise InputError(f"{path}: expected {FORMAT} {VERSION}, found {found}; learn it again or update mien")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import load_layout
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError
-from mien.core.plain_text import read_plain_text
+from mien.core.plain_text import parsed_json, read_plain_text
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.corpus.readers.livelink_recordings import carried_markers
@@ -41,7 +40,7 @@ def _find(source: Path) -> list[Found]:
 
 
 def _read(found: Found, recipe: Recipe) -> Raw:
-    content: dict[str, Any] = json.loads(read_plain_text(found.motion, "a BEAT recording")[0])
+    content: dict[str, Any] = parsed_json(read_plain_text(found.motion, "a BEAT recording")[0])
     names = [_channel(name) for name in content["names"]]
     frames = content["frames"]
     if len(frames) < 2:

@@ -7,7 +7,6 @@ than what is captured from its landmarks (`mien.corpus.capturing`).
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from mien.capture.tracker import tracker_python
 from mien.core.border import reading
 from mien.core.errors import InputError
 from mien.core.limits import load_arrays
+from mien.core.plain_text import parsed_json
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader
@@ -91,7 +91,7 @@ def _read_arrays(found: Found, recipe: Recipe) -> Raw:
 
 def _about(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parsed_json(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
         raise InputError(f"{path}: cannot be read ({problem})") from problem
     if not isinstance(content, dict):

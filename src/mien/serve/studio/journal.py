@@ -26,6 +26,7 @@ from mien.animation.edits import EMPTY, EditLayer, layer_of, plain_layer
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
+from mien.core.plain_text import parsed_json
 from mien.serve.studio.lru_store import Missing, new_id
 from mien.serve.studio.requests import FieldError, TakeRequest
 from mien.serve.studio.settings import Limits
@@ -133,7 +134,7 @@ class Journal:
         try:
             for number, line in enumerate(path.read_bytes().split(b"\n")):
                 try:
-                    told = json.loads(line) if line.strip() else {}
+                    told = parsed_json(line) if line.strip() else {}
                 except ValueError:  # cut off by a crash
                     self.faults.append(f"{path.name}: line {number + 1} was cut off and is passed over")
                     continue
@@ -256,7 +257,7 @@ class Journal:
     def page(self) -> dict[str, Any]:
         """What the page looked like; empty at first."""
         with contextlib.suppress(OSError, ValueError):
-            state = json.loads((self.folder / "page.json").read_text("utf-8"))
+            state = parsed_json((self.folder / "page.json").read_text("utf-8"))
             if isinstance(state, dict):
                 return state
         return {}
@@ -265,7 +266,7 @@ class Journal:
 def _source(file: Path | io.BytesIO) -> Source:
     try:
         with np.load(file, allow_pickle=False) as kept:
-            notes = tuple(Note(kind, str(message)) for kind, message in json.loads(str(kept["notes"])))
+            notes = tuple(Note(kind, str(message)) for kind, message in parsed_json(str(kept["notes"])))
             samples = np.asarray(kept["samples"])
             return Source(Audio(samples, int(kept["rate"])), notes)
     except (ValueError, TypeError, KeyError, OSError, EOFError, zipfile.BadZipFile) as problem:

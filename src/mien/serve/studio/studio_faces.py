@@ -19,6 +19,7 @@ import numpy as np
 from mien.core.assets import asset
 from mien.core.errors import InputError, OutputError
 from mien.core.files import replace_when_complete
+from mien.core.plain_text import parsed_json
 from mien.face.library import known_faces, load_face
 from mien.face.model import Face
 from mien.serve.studio.light_glb import light_glb
@@ -62,7 +63,7 @@ class FaceShelf:
         self._lock, self._locks = Lock(), defaultdict[str, Lock](Lock)  # one face does not wait for another
         for about in sorted(folder.glob("*/about.json"), key=lambda path: path.stat().st_mtime):
             with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
-                told = json.loads(about.read_text("utf-8"))
+                told = parsed_json(about.read_text("utf-8"))
                 path = about.parent / "face.glb"
                 size = path.stat().st_size
                 self._foreign.put(ForeignFace(path, told["report"], str(told["name"])), size, about.parent.name)
