@@ -271,7 +271,7 @@ class Corpus:
         path = self.folder / "corpus.json"
         try:
             about = parsed_json(path.read_text(encoding="utf-8"))
-        except FileNotFoundError as problem:
+        except (FileNotFoundError, NotADirectoryError) as problem:
             raise InputError(
                 f"{self.folder}: expected a corpus (a folder with corpus.json); make one with 'mien corpus import'"
             ) from problem
