@@ -113,7 +113,7 @@ def test_the_design_made_small(tmp_path: Path) -> None:
         if stimulus.still_ms and stimulus.seed == 1:
             animation, _ = performed(replace(stimulus, fps="25"))
             names, values = animation.channels.names, animation.channels.values
-            assert values[35, names.index("eyeBlinkLeft")] < 0.3
+            assert values[35, names.index("eyeBlinkLeft")] < 0.35
             assert np.abs(values[35] - values[8]).sum() > 0.5, stimulus.name
 
 

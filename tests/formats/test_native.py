@@ -23,6 +23,7 @@ from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import Utterance
 from mien.formats.native import read_native, write_native
 from mien.text.intensity import IntensityCurve
+from mien.text.key_tangents import TANGENTS
 from mien.text.parameter_curves import INTERPOLATIONS, MODES, ParameterCurve
 from mien.text.score import EmotionSpan, Score
 from tests.animation.edits.layers import layers
@@ -75,12 +76,15 @@ spans = st.builds(
     st.tuples(times, times).map(sorted) | st.tuples(st.none(), times) | st.tuples(times, st.none()),
 )
 curves = st.builds(
-    ParameterCurve,
+    lambda name, keys, how, mode, fade, tangent: ParameterCurve(
+        name, keys, how, mode, fade, (tangent,) * len(keys) if tangent else ()
+    ),
     st.sampled_from(["HeadNod", "jawOpen", "mouthSmile"]),
     st.lists(st.tuples(times, finite), min_size=1, max_size=4).map(lambda keys: tuple(sorted(keys))),
     st.sampled_from(INTERPOLATIONS),
     st.sampled_from(MODES),
     st.floats(0, 1000),
+    st.none() | st.sampled_from(TANGENTS),
 )
 utterances = st.builds(
     Utterance,
@@ -148,7 +152,7 @@ def test_every_field_is_written():
         Animation: {"channels", "markers", "utterance", "score", "provenance", "notes", "edits", "timecode"},
         Utterance: {"text", "audio", "words", "phones", "language", "timing", "notes", "native", "shapes", "sung"},
         Score: {"emotions", "curves", "efforts"},
-        ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
+        ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade", "tangents"},
         EmotionSpan: {"name", "intensity", "start", "end"},
         Provenance: {"performer", "seed", "version"},
         AppliedEdits: {"layer", "lost", "before"},

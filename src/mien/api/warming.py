@@ -11,6 +11,7 @@ from mien.core.timeline import Interval, Tier
 from mien.face.deformers import deformed_by, poser_for
 from mien.face.library import load_face
 from mien.face.render.renderer import Renderer
+from mien.formats.video import luma_and_chroma
 from mien.motion.mouth.speech_model import synthesise
 from mien.motion.performers import load_learned_performer, load_performer
 
@@ -33,7 +34,8 @@ def warm_up() -> str:
     face = load_face("default")
     still = np.zeros(len(channels.ALL))
     for shown in (face, deformed_by(face, "tree")):
-        Renderer(shown, _SIDE, _SIDE).render(poser_for(shown, channels.ALL).pose(still))
+        picture = Renderer(shown, _SIDE, _SIDE).render(poser_for(shown, channels.ALL).pose(still))
+        luma_and_chroma(picture, np.empty((_SIDE * 3 // 2, _SIDE), np.uint8))
     sound = Audio.silence(0.6, 16_000)
     said = [Interval(0.0, 0.2, "SIL"), Interval(0.2, 0.4, "AA"), Interval(0.4, 0.6, "SIL")]
     for name in load_learned_performer("default").speech_models:

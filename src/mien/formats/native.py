@@ -346,6 +346,7 @@ def _curve(node: _Node) -> ParameterCurve:
         node.get("interpolation").text(),
         cast(Any, node.get("mode").text()),
         node.get("fade").number(),
+        tuple(name.text() for name in node.get("tangents").items()) if node.holds("tangents") else (),
     )
 
 

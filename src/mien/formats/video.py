@@ -30,7 +30,7 @@ from mien.face.render.renderer import Picture
 from mien.face.render.view import TRANSPARENT, Pictures, View
 from mien.formats.drawn_frames import drawn_frames
 
-__all__ = ["FILMS", "Film", "check_film", "write_frames", "write_video"]
+__all__ = ["FILMS", "Film", "check_film", "luma_and_chroma", "write_frames", "write_video"]
 
 _SECONDS_PER_KEY = 2  # a key picture so often, so that players can jump
 _SOUND_BITS_PER_SECOND = 128_000

@@ -98,7 +98,7 @@ def test_every_field_travels() -> None:
         EffortSpan: {"level", "start", "end", "source"},
         DirectedEffort: {"level", "start", "end", "keys"},
         DirectedEmotion: {"name", "intensity", "start", "end", "keys"},
-        ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade"},
+        ParameterCurve: {"parameter", "keys", "interpolation", "mode", "fade", "tangents"},
         Segment: {"text", "silence", "start", "voice", "spellings"},
         Script: {
             "segments",

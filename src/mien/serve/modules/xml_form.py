@@ -128,6 +128,8 @@ def _shape(curve: DirectedCurve | ParameterCurve) -> dict[str, str]:
     """What of a curve differs from the usual."""
     shape = {"interp": curve.interpolation} if curve.interpolation != "linear" else {}
     shape |= {"mode": curve.mode} if curve.mode != "add" else {}
+    if isinstance(curve, ParameterCurve) and curve.tangents:
+        shape["tangents"] = " ".join(curve.tangents)
     return shape | ({"fade": plain(curve.fade)} if curve.fade else {})
 
 
@@ -336,12 +338,13 @@ def read_curve(item: Element) -> ParameterCurve:
     """
     fields = _Fields(item)
     keys = tuple((_Fields(key).number("at"), _Fields(key).number("value")) for key in item.findall("key"))
-    known = ("interp", "mode", "fade")
+    known = ("interp", "mode", "fade", "tangents")
     strange = [name for name in item.attrib if name not in known]
     if strange:
         raise InputError(f"<{item.tag}> with <key> takes {', '.join(known)}, not {strange[0]}")
     mode = cast(Any, item.get("mode", "add"))
-    return ParameterCurve(item.tag, keys, item.get("interp", "linear"), mode, fields.number("fade", 0.0))
+    tangents = tuple(item.get("tangents", "").split())
+    return ParameterCurve(item.tag, keys, item.get("interp", "linear"), mode, fields.number("fade", 0.0), tangents)
 
 
 def read_command(item: Element, library: CommandLibrary) -> Command:
