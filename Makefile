@@ -109,7 +109,7 @@ blender: $(VENV)/.core
 sheets: $(VENV)/.dev
 	$(BIN)/python tools/render_sheets.py --out docs/pictures
 	$(BIN)/mien inspect default -o docs/pictures/performer
-	$(BIN)/mien say "I never said that." --emotion angry --face lucia -o docs/pictures/line.gif --size 360x360 --fps 15
+	$(BIN)/mien say "I never said that." --emotion angry --face vera -o docs/pictures/line.gif --size 360x360 --fps 15
 	rm -f docs/pictures/performer/key-shapes-*.png
 
 page: studio/node_modules/.mien-lock

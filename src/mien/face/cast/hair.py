@@ -147,6 +147,7 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     thick = (thin + (deep - thin) * top) * (0.35 + 0.65 * inside)
     layer = chance.uniform(size=count) ** (0.7 if "to" not in cut else 0.25)  # what is tied lies flat
     part = float(chance.choice([-24.0, 24.0, 4.0]))
+    thick = thick * _at_parting(cut, roots.rest, part)
     front = ((roots.rest[:, 2] > -50) & (np.abs(roots.rest[:, 0]) < 56) & (cut["comb"] == "fringe")).astype(float)
     tie = np.array([0.0, *cut["to"]]) if "to" in cut else None
     if "rows" in cut:
@@ -174,7 +175,14 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
         strands_part("hair" if n == 0 else "hair_tail", *piece, person, chance, 0.1 if tie is None else 0.06)
         for n, piece in enumerate(pieces)
     ]
-    return (*parts, _cap(space, face, ground, cut, person)) if cut.get("cap", 1) else tuple(parts)
+    return (*parts, _cap(space, face, ground, cut, person, part)) if cut.get("cap", 1) else tuple(parts)
+
+
+def _at_parting(cut: Mapping[str, Any], rest: Floats, part: float) -> Floats:
+    """How thick hair lies beside the parting, 0..1: there it starts, and neither stands up nor hides behind a layer."""
+    if cut["comb"] not in ("side", "fringe"):
+        return np.ones(len(rest))
+    return np.asarray(0.2 + 0.8 * smoothstep(2.0, 34.0, np.abs(rest[:, 0] - part)))
 
 
 def _turn(rest: Floats) -> Floats:
@@ -217,7 +225,7 @@ def _tied(
     return centre + size * normals, normals, np.full(count, 3.0), layer
 
 
-def _cap(space: HeadSpace, face: Face, ground: Ground, cut: Mapping[str, Any], person: Person) -> Part:
+def _cap(space: HeadSpace, face: Face, ground: Ground, cut: Mapping[str, Any], person: Person, part: float) -> Part:
     """A dark layer below the strands, so that no skin shows between them; sunk into the skin at the hairline."""
     triangles = space.triangles[(hair_depth(space.rest, cut)[space.triangles] > -9).any(axis=1)]
     used, local = np.unique(triangles, return_inverse=True)
@@ -233,7 +241,7 @@ def _cap(space: HeadSpace, face: Face, ground: Ground, cut: Mapping[str, Any], p
     thin, deep = cut["thick"]
     full = float(cut.get("cap", 0.22)) * (thin + (deep - thin) * smoothstep(10.0, 78.0, rest[:, 1]))
     full = full * (1 + 0.12 * layered_noise(rest, 16.0, person.seed + 70, layers=2)) if "cap" in cut else full
-    lift = full * smoothstep(2.0, 26.0, depth) - 1.6 * smoothstep(6.0, 0.0, depth)
+    lift = full * _at_parting(cut, rest, part) * smoothstep(2.0, 26.0, depth) - 1.6 * smoothstep(6.0, 0.0, depth)
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, place[:, 1])
     dark = np.asarray(strand_colours(person, np.full(1, 0.3), np.random.default_rng(0)))[0]
     speck = 1 + 0.25 * layered_noise(rest, 5.0, person.seed + 71, layers=2)[:, None]
