@@ -167,6 +167,7 @@ def test_words_written_alike(text: str, phones: str) -> None:
         ("1.5M users", "one point five million users"),
         ("2k", "two thousand"),
         ("5 km/h", "five kilometers per hour"),
+        ("10:30am, 7:05pm, MP3s", "ten thirty a. m. seven oh five p. m. m. p. threes"),
         ("00:00", "midnight"),
         ("00:15", "zero fifteen"),
         ("7 pm", "seven p. m."),

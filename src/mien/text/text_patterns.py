@@ -190,6 +190,12 @@ def _decade(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     return _whole(match, f"{head} {plural(last)}")
 
 
+def _several(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """More than one of what is named by letters and a number: ``MP3s``."""
+    head, _, last = cardinal(int(match["tens_of"])).rpartition(" ")
+    return _whole(match, f"{head} {plural(last)}".strip())
+
+
 def _years(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     last = match["last_year"]
     spoken = year(int(last)) if len(last) == 4 else cardinal(int(last))
@@ -322,8 +328,8 @@ def _numbers() -> dict[str, tuple[str, Reader]]:
             _month_day,
         ),
         "clock": (
-            r"(?P<hour>[01]?\d|2[0-4]):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d))?\b"
-            r"(?:\s?(?P<half>(?i:[ap]\.m\.|[ap]m\b)))?",
+            r"(?P<hour>[01]?\d|2[0-4]):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d))?"
+            r"(?:\s?(?P<half>(?i:[ap]\.m\.|[ap]m\b))|\b)",
             _clock,
         ),
         "phonenumber": (
@@ -333,6 +339,7 @@ def _numbers() -> dict[str, tuple[str, Reader]]:
         "mixed": (rf"(?P<units>\d{{1,9}})\s?(?P<vulgar>[{_VULGAR}])", _mixed),
         "fraction": (r"(?:(?P<whole>\d{1,9})\s)?(?P<top>\d{1,2})/(?P<bottom>[1-9]\d?)\b(?![/\d])", _fraction),
         "ordinal": (r"(?i:(?P<place>\d[\d,]{0,12})(?:st|nd|rd|th))\b", _ordinal),
+        "several": (r"(?<=[A-Z])(?P<tens_of>\d{1,2})'?s\b", _several),
         "decade": (r"'?(?P<tens>\d{0,3}0)'?s\b(?<=\d\ds|\d's)", _decade),
         "years": (r"(?P<first_year>1[1-9]\d\d|20\d\d)[-—](?P<last_year>\d{4}|\d\d)\b", _years),
         "range": (r"(?<![\w.-])(?P<low>\d{1,9})[-—](?=(?P<high>\d{1,9})(?!\d|[-—.]\d|[A-Za-z]))", _range),

@@ -25,6 +25,10 @@ CASES = {
         -5 °C, 5-7 Tage, 20 % = minus fünf Grad Celsius fünf bis sieben Tage zwanzig Prozent
         Ludwig XIV. und z. B. die ARD = Ludwig der vierzehnte und zum Beispiel die a. r. d.
         Er hat 3. Sie hat 1. = Er hat drei Sie hat eins
+        die 2. Auflage und der 2. Mann im 4. Stock = die zweite Auflage und der zweite Mann im vierten Stock
+        in der 2. Reihe, Ende der 1. Halbzeit = in der zweiten Reihe Ende der ersten Halbzeit
+        das 5. Kind = das fünfte Kind
+        Er nahm den 3. Dann aß er 5 Stk. = Er nahm den drei Dann aß er fünf Stück
         der 7:30-Zug, 1/2 Liter = der sieben Uhr dreißig Zug ein halb Liter
         +49 30 12345 = plus vier neun drei null eins zwei drei vier fünf
         """,
@@ -42,6 +46,7 @@ CASES = {
         el 3/5/2024 = el tres de mayo de dos mil veinticuatro
         5,50 € y 1.000 km = cinco euros con cincuenta y mil kilómetros
         el 1.º, la 2ª, el 1er piso = el primero la segunda el primer piso
+        21 casas, 200 casas, 21 libros = veintiuna casas doscientas casas veintiuno libros
         Sr. López, EE. UU., Felipe VI, siglo XXI = señor López Estados Unidos Felipe sexto siglo veintiuno
         """,
     "it": """
@@ -66,6 +71,7 @@ CASES = {
         kl. 7.30 den 3 maj = klockan sju trettio den tredje maj
         kl 7:05 år 1984 = klockan sju noll fem år nittonhundraåttiofyra
         1 kr och 5,50 kr = en krona och fem kronor och femtio
+        5 st. och 1 st, st. Göran = fem stycken och ett styck sankt Göran
         1:a gången, t.ex. = första gången till exempel
         """,
     "pl": """
@@ -109,11 +115,14 @@ CASES = {
     "zh": """
         7:30，2024年5月3日 = 七点三十分 二零二四年五月三日
         今天5元的书，下午3点 = 今天 五 元的书 下午 三点
+        他有5元,你走;好 = 他有 五 元 你走 好
         2个人，3.5公里，50% = 两 个人 三 点 五 公里 百分之五十
         """,
     "ja": """
         7:30に、15時30分に = しちじ さんじゅっぷん に じゅうごじ さんじゅっぷん に
         今日は7時30分に = 今日は しちじ さんじゅっぷん に
+        3人と1人と2人、1つ、3本、10分 = さんにん と ひとり と ふたり ひとつ さんぼん じゅっぷん
+        11人、20本、100本、1000本、人、3分の1 = じゅういちにん にじゅっぽん ひゃっぽん せんぼん 人 さん 分の いち
         2024年5月3日、300円 = にせんにじゅうよんねん ごがつ みっか さんびゃく えん
         """,
 }  # fmt: skip
@@ -131,6 +140,15 @@ def test_figures_signs_and_short_forms(tag: str, written: str, said: str) -> Non
     language = find_language(tag)
     assert language is not None
     assert " ".join(token.said or token.text for token in spoken_tokens(written, language)) == said
+
+
+def test_marks_between_chinese_characters_pause_whatever_their_width() -> None:
+    chinese = find_language("zh")
+    assert chinese is not None
+    narrow, wide = (
+        [(t.text, t.pause) for t in spoken_tokens(text, chinese)] for text in ("我来了,你走;好", "我来了，你走；好")
+    )
+    assert narrow == wide == [("我来了", ","), ("你走", ";"), ("好", "")]
 
 
 def test_a_rule_that_no_language_has_is_named(tmp_path: Path) -> None:

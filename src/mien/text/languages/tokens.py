@@ -28,6 +28,12 @@ _MARKS = {
 _RANK = "-,;:!?."
 _BEFORE = "\"'“”„«»‘’([{¿¡-–—−*_「『《（"
 _AFTER = "\"'“”«»‘’)]}.,;:!?…-–—*_」』》）。、，？！：；"
+_EAST = "\u3040-\u30ff\u3400-\u9fff"
+# Marks between Chinese or Japanese characters (or a form in figures, masked) need no blank, be they full-width or not.
+_PIECE = re.compile(
+    rf"[^ \t\r\f\v]+?(?:[。、，？！：；]+|(?<=[{_EAST}])[,;:!?.]+(?=[{_EAST}\ue000\ue001])"
+    rf"|(?<=[\ue000\ue001])[,;:!?.]+(?=[{_EAST}])|(?=[ \t\r\f\v]|$))"
+)
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,7 @@ def tokens_of(text: str, short_forms: Collection[str] = ()) -> Iterator[Token]:
     >>> [(token.text, token.pause) for token in tokens_of("Hei, esim. näin!", {"esim."})]
     [('Hei', ','), ('esim.', ''), ('näin', '!')]
     """
-    for match in re.finditer(r"[^ \t\r\f\v]+?(?:[。、，？！：；]+|(?=[ \t\r\f\v]|$))", text.replace("\n", " ")):
+    for match in _PIECE.finditer(text.replace("\n", " ")):
         piece = match.group()
         front = len(piece) - len(piece.lstrip(_BEFORE))
         if front == len(piece):

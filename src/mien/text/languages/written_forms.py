@@ -1,8 +1,9 @@
 """What is written in figures and signs, in words: times, dates, ordinals, money, units, ranges, numbers, capitals.
 
 How a language says them stands in its table: ``[written]``, ``[units]``, ``[currencies]``, ``[ordinals]``,
-``[signs]`` (``docs/languages.md``). Numbers are spelled by the rules of the Unicode CLDR (`unicode_rbnf`). In a
-template ``{h:RULE}`` is a number by a set of those rules or by a list of the table, ``{h#SIGN}`` one with a unit.
+``[counters]``, ``[signs]`` (``docs/languages.md``). Numbers are spelled by the rules of the Unicode CLDR
+(`unicode_rbnf`). In a template ``{h:RULE}`` is a number by a set of those rules or by a list of the table,
+``{h#SIGN}`` one with a unit.
 """
 
 from __future__ import annotations
@@ -108,6 +109,7 @@ class _Reader:
         self.numbers = Numbers(language)
         self.units, self.money = table.get("units", {}), table.get("currencies", {})
         self.ordinals, self.signs = table.get("ordinals", {}), table.get("signs", {})
+        self.counters: dict[str, str] = table.get("counters", {})
         self.pinyin = bool(table.get("pinyin"))
         self.short: dict[str, str] = table.get("abbreviations", {})
         self.words_in_capitals = frozenset(self.table.get("words_in_capitals", "").split())
@@ -168,6 +170,13 @@ class _Reader:
         fractions = "|".join(sign for sign in self.signs if "/" in sign)
         if fractions:
             yield "fraction", rf"(?<![\w/.,])(?:{fractions})(?![\w/]|[.,]\d)"
+        if self.counters:  # not a fraction: 3分の1
+            named = "|".join(sorted((sign for sign in self.counters if len(sign) > 1), key=len, reverse=True))
+            signs = "|".join(sign for sign in self.counters if len(sign) == 1)
+            yield "counter", rf"{start}(?:{named}|(?P<cn>\d{{1,4}})(?P<cw>{signs}))(?!の\d)"
+        if "ranked_after" in table:
+            before = "|".join(rf"(?<=\b{word} )" for word in table["ranked_after"])
+            yield "ranked", rf"(?i:{before})(?P<rn>\d{{1,3}})\.(?=[ \u00a0]{table['ranked_noun']})"
         for place, suffix in enumerate(self.ordinals):
             yield f"ordinal{place}", rf"{start}(?P<o{place}>\d{{1,4}})(?:{suffix})"
         if "year" in table:
@@ -338,6 +347,29 @@ class _Reader:
 
     def _sign(self, match: re.Match[str]) -> str:
         return str(self.signs[match.group()])
+
+    def _ranked(self, match: re.Match[str]) -> str:
+        before = match.string[max(0, match.start() - 60) : match.start()]
+        oblique = re.search(self.table["ranked_oblique"] + r"\Z", before)
+        rule = "ordinal-n" if oblique else self.table["ranked_after"][_word_before(match)]
+        return self.numbers.fill(f"{{n:{rule}}}", n=int(match["rn"]))
+
+    def _counter(self, match: re.Match[str]) -> str:
+        """A number and what is counted, whose sounds change each other: only the last figure matters."""
+        if match["cw"] is None:
+            return self.counters[match.group()]
+        number, forms = int(match["cn"]), self.counters[match["cw"]].split()
+        if f"{number}{match['cw']}" in self.counters:  # full-width figures
+            return self.counters[f"{number}{match['cw']}"]
+        rest, last = divmod(number, 10)
+        if last:
+            return (self.numbers.spelled(rest * 10) if rest else "") + forms[last]
+        if number % 100:
+            return self.numbers.spelled(number).removesuffix("じゅう") + forms[10]
+        said = self.numbers.spelled(number)
+        if number % 1000 and forms[10].startswith("じゅっ"):
+            return said.removesuffix("く") + forms[10].removeprefix("じゅ")
+        return said + (forms[3].removeprefix("さん") if number else forms[0])
 
     def _ordinal(self, place: int, match: re.Match[str]) -> str:
         rule = list(self.ordinals.values())[place]
