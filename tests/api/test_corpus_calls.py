@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import mien
+from mien.cli.main import main
 from tests.faces import tiny_animation
 
 CALLS = {
@@ -64,6 +65,27 @@ def test_what_cannot_be_loaded_is_refused_in_one_line(tmp_path: Path, name: str)
     with pytest.raises(mien.InputError) as caught:
         mien.load(tmp_path / name)
     assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_called_missing() -> None:
+    with pytest.raises(mien.InputError, match="nix: no such file"):
+        mien.load("nix")
+
+
+def test_what_cannot_be_saved_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(mien.InputError, match="expected a path"):
+        mien.save(tiny_animation(4))
+    with pytest.raises(mien.InputError, match="expected an Animation to write, got int"):
+        mien.save(5, tmp_path / "a.csv")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("command", [["inspect"], ["say", "Hi.", "-o", "x.json", "--performer"]])
+def test_a_file_that_is_no_performer_is_called_so(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "rav.json").write_text("{}")
+    assert main([*command, str(tmp_path / "rav.json")]) == 2
+    assert "rav.json is no performer: expected a file that ends in .mien" in capsys.readouterr().err
 
 
 def test_a_performer_is_written_to_a_mien_file_only(tmp_path: Path) -> None:

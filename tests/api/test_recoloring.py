@@ -66,6 +66,12 @@ def test_edits_stay(sad: Animation) -> None:
     assert any("1 of" in note.message for note in other.notes)
 
 
+def test_motion_from_elsewhere_is_not_called_edited(sad: Animation, tmp_path: Path) -> None:
+    mien.save(sad, tmp_path / "sad.csv")
+    other = recolor(mien.load(tmp_path / "sad.csv"), "happy", "default")  # type: ignore[arg-type]
+    assert not any("edited" in note.message for note in other.notes)
+
+
 @pytest.mark.parametrize("emotion", ["hapy", "happy:3"])
 def test_slips_are_refused(sad: Animation, emotion: str) -> None:
     with pytest.raises(InputError):

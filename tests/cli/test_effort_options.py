@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,11 @@ import mien
 from mien.cli.main import main
 from mien.core.errors import InputError
 from mien.formats.native import read_native
-from mien.text.effort_spans import EffortSpan
+from mien.pipeline.options import score_of, with_heard_effort
+from mien.pipeline.spoken import Spoken
+from mien.text.effort_spans import EffortSpan, effort_over
 from tests.serve.modules.speaking import toy_voice  # noqa: F401 - a fixture
+from tests.utterances import utterance
 
 
 @pytest.mark.usefixtures("toy_voice")
@@ -49,3 +54,20 @@ def test_effort_in_python() -> None:
     for wrong in (True, [1.0], np.array([1.0, 2.0])):
         with pytest.raises(InputError, match="an effort is"):
             mien.say("Good morning.", effort=wrong)  # type: ignore[arg-type]
+
+
+def test_an_effort_read_by_name_wins_over_an_emotions() -> None:
+    line = Spoken(utterance(("M", 0.3), ("AA", 0.6)))
+    sad = score_of("sad")
+    (plain, a), (felt, b), (asked, c) = (
+        with_heard_effort(score, line, by_name)
+        for score, by_name in ((score_of(None), False), (sad, False), (sad, True))
+    )
+    told = [one.utterance.notes[-1].message for one in (a, b, c)]
+    assert told[1] == told[0] + "; not used: the emotion sad sets it (--effort auto keeps the voice's)"
+    assert told[2] == told[0]
+    assert plain.efforts[0].level == asked.efforts[0].level
+    one, own = np.ones(1), np.full(1, 0.7)
+    loud = [replace(score.efforts[0], level=1.9) for score in (felt, asked)]
+    assert effort_over(loud[:1], own, one, one) == pytest.approx(0.7)
+    assert effort_over(loud[1:], own, one, one) == pytest.approx(1.9)

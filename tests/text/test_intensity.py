@@ -51,6 +51,7 @@ def test_spans_as_written(written: str, span: EmotionSpan) -> None:
     ("written", "said"),
     [
         ("happy:60", "did you mean 0.6"),
+        ("happy:7", r"did you mean 0\.7"),
         ("happy:very", "points such as 0.2@0"),
         ("happy:0.2@0,0.9", "points such as 0.2@0"),
         ("happy:0.2@1,0.9@1", "times of an intensity curve rise"),

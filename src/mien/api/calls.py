@@ -23,6 +23,7 @@ from mien.pipeline.options import (
     Emotions,
     Rate,
     effort_by_hand,
+    is_auto,
     layer_of,
     prepared,
     rate_of,
@@ -182,7 +183,8 @@ def animate(
         As for `say`; ``"auto"`` (alone or among others) reads emotions and their intensities from the voice
         (``docs/emotion.md``), neutral where it is not sure.
     effort
-        As for `say`; None and ``"auto"`` read it from the voice's level, spectrum and pitch.
+        As for `say`; None and ``"auto"`` read it from the voice's level, spectrum and pitch. Where an emotion is shown,
+        its own effort takes the place of what was read; with ``"auto"`` it does not.
     fps, seed, performer, speech_model, prosody, alive, commands, edits
         As for `say`.
 
@@ -207,7 +209,7 @@ def animate(
     spoken = spoken_recording(
         audio, performer, text=text, language=language, song=song, tiers=tiers, commands=commands, notes=notes
     )
-    score, spoken = with_heard_effort(score, spoken)
+    score, spoken = with_heard_effort(score, spoken, is_auto(effort))
     return perform_spoken(spoken, performer, rate, seed, score, layer)
 
 

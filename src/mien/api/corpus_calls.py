@@ -61,11 +61,13 @@ def load(path: str | Path) -> Animation | Performer | Corpus:
     >>> load("line.mp3")
     Traceback (most recent call last):
         ...
-    mien.core.errors.InputError: unknown kind of file '.mp3': known: .csv, .json, .mien
+    mien.core.errors.InputError: line.mp3: no such file or folder
     """
     path = Path(path)
     if path.is_dir():
         return Corpus(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file or folder")
     suffix = path.suffix.lower()
     if suffix not in _LOADED:
         raise unknown_name("kind of file", suffix, _LOADED)

@@ -331,7 +331,9 @@ def _hand_made_way(animation: Animation, span: EmotionSpan, actor: Performer) ->
         raise InputError(f"expected {len(before)} frames over the sound, got {count}: is the animation cut?")
     own = animation.channels.select(channels.ALL).values
     values = _clipped(own + (after.channels.values - before))
-    edited = int((np.abs(own - before) > 1e-6).any(axis=1).sum())
+    # What this performer did not make differs everywhere, edited or not.
+    made_here = animation.provenance.performer == actor.name
+    edited = int((np.abs(own - before) > 1e-6).any(axis=1).sum()) if made_here else 0
     told = f"{edited} of {count} frames had been edited: the edits are kept on top" if edited else ""
     notes = [n for n in (*animation.notes, *after.notes) if n not in after.utterance.notes]
     return replace(

@@ -26,7 +26,8 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     recolor.add_argument(
         "motion",
         metavar="MOTION",
-        help="a native animation (.json), a take of a corpus (CORPUS --take NAME), or markers (.csv, .npz, .c3d)",
+        help="a native animation (.json), a Live Link recording (.csv), a take of a corpus (CORPUS --take NAME), or "
+        "markers (.csv, .npz, .c3d)",
     )
     recolor.add_argument("--to", required=True, metavar="NAME[:0..1]", help="the emotion, as for --emotion of mien say")
     recolor.add_argument(

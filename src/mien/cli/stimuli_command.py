@@ -31,7 +31,9 @@ def add_commands(commands: Any) -> None:
     )
     stimuli.set_defaults(run=_stimuli)
     batch = commands.add_parser("batch", help="say every line of a text file")
-    batch.add_argument("lines", metavar="LINES.txt", help="one text per line, with tags as in docs/script.md")
+    batch.add_argument(
+        "lines", metavar="LINES.txt", help="one text per line, with tags as in docs/script.md; # starts a remark"
+    )
     for name in ("voice", "emotion", "effort", "fps", "performer", "face"):
         batch.add_argument(f"--{name}", default="", help=f"{name} of all lines, as for mien say")
     batch.add_argument("--seed", type=int, default=0, help="seed of all lines (default 0)")
@@ -85,10 +87,16 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.text.effort_spans import parse_effort
     from mien.text.score import EmotionSpan
 
+    rows = read_text(Path(options.lines)).splitlines()
+    remarks = [row.lstrip().startswith("#") for row in rows]
     lines = [
-        _said(line, number, options.lines)
-        for number, line in enumerate(read_text(Path(options.lines)).splitlines(), start=1)
+        "" if remark else _said(row, number, options.lines)
+        for number, (row, remark) in enumerate(zip(rows, remarks, strict=True), start=1)
     ]
+    if any(remarks) and not options.quiet:
+        print(
+            f"mien: note: {options.lines}: lines passed over because they start with #: {sum(remarks)}", file=sys.stderr
+        )
     names = ("voice", "effort", "fps", "performer", "face")
     chosen = {name: getattr(options, name) for name in names if getattr(options, name)}
     if options.effort not in ("", "off"):

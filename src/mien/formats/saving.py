@@ -56,7 +56,7 @@ def save(
     Raises
     ------
     InputError
-        If a suffix or the face is not known.
+        If a suffix or the face is not known, no path is given, or what is to be written is no animation.
     OutputError
         If a file cannot be written; nothing is left half-written.
     """
@@ -64,6 +64,10 @@ def save(
     from mien.formats.registry import check_output, shows_face
     from mien.formats.registry import save as save_one
 
+    if not isinstance(animation, Animation):
+        raise InputError(f"expected an Animation to write, got {type(animation).__name__}")
+    if not paths:
+        raise InputError('expected a path to write to, such as "line.mp4", got none')
     targets = [check_output(path, view) for path in paths]
     if face is not None and not isinstance(face, Face) and not is_named_face(face):
         from mien.face.foreign.gltf_document import is_gltf

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from mien.core.assets import asset, assets_in
@@ -61,8 +61,15 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
     if isinstance(name, Path) or str(name).lower().endswith(".mien"):
         return load_learned(name)
     if name not in learned:
-        raise unknown_name("learned performer", name, learned)
+        raise _unknown("learned performer", str(name), learned)
     return load_learned(asset(f"performers/{name}.mien"))
+
+
+def _unknown(what: str, name: str, known: Iterable[str]) -> InputError:
+    """A name that nobody has, or a file that is of something else."""
+    if len(name) < 256 and Path(name).is_file():  # longer ones are no file's, and is_file would raise
+        return InputError(f"{name} is no performer: expected a file that ends in .mien, or one of {', '.join(known)}")
+    return unknown_name(what, name, known)
 
 
 NOTHING = "nothing"
@@ -114,7 +121,7 @@ def load_performer(name: str | Path = "default", speech_model: str | None = None
             )
         return Performer.hand_made()
     if not (isinstance(name, Path) or str(name).lower().endswith(".mien")) and name not in known_performers():
-        raise unknown_name("performer", str(name), known_performers())
+        raise _unknown("performer", str(name), known_performers())
     if str(name) in brought_performers():
         return _of_a_package(str(name), speech_model)
     from mien.motion.expression.recorded_expression import expression_of

@@ -14,6 +14,7 @@ from mien.core.timeline import FrameRate
 from mien.motion.alive.idle import HandMadeIdle
 from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH, HandMadeProsody
 from mien.motion.effort import DECIBELS
+from mien.motion.expression.expression import NEUTRAL
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.pipeline.spoken import Spoken
@@ -22,8 +23,9 @@ from mien.text.expression_parameters import read_expression_parameters
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [
-    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "effort_by_hand", "efforts_of", "layer_of", "prepared",
-    "rate_of", "score_of", "score_with_voice", "semitones_of", "share_of", "split_auto", "with_heard_effort",
+    "DEFAULT_FPS", "Effort", "Emotions", "Rate", "effort_by_hand", "efforts_of", "is_auto", "layer_of",
+    "prepared", "rate_of", "score_of", "score_with_voice", "semitones_of", "share_of", "split_auto",
+    "with_heard_effort",
 ]  # fmt: skip
 
 DEFAULT_FPS = 30
@@ -185,6 +187,11 @@ def efforts_of(effort: Effort) -> tuple[EffortSpan, ...]:
     raise InputError(f"an effort is 0 to 2, a text such as '0.5@0,1.6@2', 'auto' or 'off', not {effort!r}")
 
 
+def is_auto(effort: Effort) -> bool:
+    """Whether the effort is to be read from the voice, by name."""
+    return isinstance(effort, str) and effort.strip().lower() == "auto"
+
+
 def effort_by_hand(effort: Effort) -> Effort:
     """The same effort, if no recorded voice is needed for it.
 
@@ -193,7 +200,7 @@ def effort_by_hand(effort: Effort) -> Effort:
     InputError
         If it is ``"auto"``.
     """
-    if isinstance(effort, str) and effort.strip().lower() == "auto":
+    if is_auto(effort):
         raise InputError("'auto' reads the effort from a recorded voice; a synthetic one has none: give 0 to 2")
     return effort
 
@@ -220,11 +227,11 @@ def score_with_voice(score: Score, audio: Audio) -> tuple[Score, Note]:
     return replace(score, emotions=(*score.emotions, *spans)), note
 
 
-def with_heard_effort(score: Score, spoken: Spoken) -> tuple[Score, Spoken]:
+def with_heard_effort(score: Score, spoken: Spoken, asked: bool = False) -> tuple[Score, Spoken]:
     """The effort that is read from a recorded voice, under what the score asks for, and a note on what was read.
 
     Nothing is read where the score has an effort already, nobody speaks, or somebody sings (`mien.pipeline`: a song has
-    its own way of opening the mouth).
+    its own way of opening the mouth). If it was ``asked`` for by name, emotions leave it as it is.
     """
     from mien.speech.vocal_effort import read_effort
 
@@ -232,9 +239,20 @@ def with_heard_effort(score: Score, spoken: Spoken) -> tuple[Score, Spoken]:
     if score.efforts or utterance.sung or utterance.timing == "none":
         return score, spoken
     read = read_effort(utterance.audio, DECIBELS)
-    span = EffortSpan(EffortCurve(read.times, read.levels, "linear"), source="voice")
-    heard = replace(spoken, utterance=utterance.with_notes(Note("note", read.told)))
-    return replace(score, efforts=(span,)), heard
+    span = EffortSpan(EffortCurve(read.times, read.levels, "linear"), source="off" if asked else "voice")
+    told = read.told + ("" if asked else _replaced((*score.emotions, *spoken.emotions)))
+    return replace(score, efforts=(span,)), replace(spoken, utterance=utterance.with_notes(Note("note", told)))
+
+
+def _replaced(emotions: Sequence[EmotionSpan]) -> str:
+    """What emotions do to an effort that was read from the voice, to be said behind it."""
+    felt = [span for span in emotions if span.name != NEUTRAL]
+    names = ", ".join(dict.fromkeys(span.name for span in felt))
+    if not felt:
+        return ""
+    if len(emotions) == 1 and (felt[0].start, felt[0].end, felt[0].intensity) == (None, None, 1.0):
+        return f"; not used: the emotion {names} sets it (--effort auto keeps the voice's)"
+    return f"; used as far as no emotion is shown ({names}; --effort auto keeps the voice's)"
 
 
 def layer_of(edits: EditLayer | str | Path | None) -> EditLayer:

@@ -48,7 +48,8 @@ class EffortSpan:
         Seconds; None means the start or end of the sound.
     source : {"asked", "voice", "off"}
         Where it comes from, and so what an emotion's own effort does to it: it is added to what is asked for by hand;
-        it takes the place of a voice's, which says the same, as far as the emotion is shown; ``off`` leaves it out.
+        it takes the place of a voice's, which says the same, as far as the emotion is shown; ``off`` leaves it out (as
+        for a voice's effort that was asked for by name, ``auto``).
 
     Raises
     ------

@@ -114,7 +114,8 @@ def checked(value: float, kind: type[IntensityCurve], where: str = "") -> float:
         If not; per cent are recognised.
     """
     if not 0.0 <= value <= kind.highest:
-        guess = f": did you mean {value / 100:g}?" if 5 * kind.highest < value <= 100 * kind.highest else ""
+        meant = value / (10 if value < 10 else 100)  # 7 of 10, or per cent
+        guess = f": did you mean {meant:g}?" if 5 * kind.highest < value <= 100 * kind.highest else ""
         raise InputError(f"{where}an {kind.what} runs from 0 to {kind.highest:g}, not {value:g}{guess}")
     return float(value)
 

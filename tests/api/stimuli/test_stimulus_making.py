@@ -121,13 +121,16 @@ def test_one_fault_does_not_stop_the_others(tmp_path: Path, capsys: pytest.Captu
 
 
 @pytest.mark.usefixtures("toy_voice")
-def test_batch_says_every_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "lines.txt").write_text("Oh.\n\nNo <HeadNod/> no.\n")
+def test_batch_says_every_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "lines.txt").write_text("Oh.\n # a remark\nNo <HeadNod/> no.\n")
     monkeypatch.setattr(
         "mien.api.stimuli.stimulus_making._write_picture", lambda s, animation, path: path.write_bytes(b"film")
     )
     command = ["batch", str(tmp_path / "lines.txt"), "-o", str(tmp_path / "out"), "--workers", "0"]
     assert main([*command, "--emotion", "sad:0.5", "--performer", "hand-made"]) == 0
+    assert "lines.txt: lines passed over because they start with #: 1\n" in capsys.readouterr().err
     assert sorted(p.name for p in (tmp_path / "out").glob("*.csv")) == [
         "line00001.csv",
         "line00003.csv",
