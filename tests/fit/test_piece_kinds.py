@@ -8,7 +8,7 @@ from mien.face.default_face import default_face
 from mien.face.head_space import head_space
 from mien.fit.head_mesh import _bulging
 from mien.fit.landmarks import known_landmarks
-from mien.fit.piece_kinds import kinds_of_pieces
+from mien.fit.piece_kinds import _Mouth, kinds_of_pieces
 
 
 def _teeth():
@@ -43,6 +43,16 @@ def test_gums_do_not_part_a_row() -> None:
     found = {labels[p.triangles[0]]: p.kind for p in kinds_of_pieces(whole, faces, labels, eyes, places)}
     assert found[0] == "skin"
     assert [found[number + 1] for number in range(len(rows))] == rows
+
+
+def test_a_tooth_with_its_root_is_no_gums() -> None:
+    corners = {"lip_corner_left": (22.0, -70.0, 0.0), "lip_corner_right": (-22.0, -70.0, 0.0)}
+    eyes = {"eye_outer_left": (44.0, 0.0, 0.0), "eye_outer_right": (-44.0, 0.0, 0.0)}
+    mouth = _Mouth.of({name: np.array(place) for name, place in (corners | eyes).items()})
+    corner = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5]), axis=-1).reshape(-1, 3)
+    middle = np.array([5.0, -62.0, -15.0])
+    assert mouth.kind(middle + corner * (8.5, 28.0, 9.5)) == "tooth"  # an incisor of the ICT head, 0.64 of this mouth
+    assert mouth.kind(middle + corner * (60.0, 28.0, 30.0)) == "gums"
 
 
 def test_a_row_of_teeth_bulges() -> None:

@@ -17,7 +17,7 @@ Indices = NDArray[np.int32]
 _EYE_NEAR_MM, _EYE_SIZES_MM, _EYE_ROUND = 14.0, (8.0, 26.0), 0.12
 _SHELL = 1.2  # eyeball's radii within which shells, tear lines and caruncles lie
 _LASH = 2.3  # the same of lashes
-_TOOTH, _ROW = 0.45, 0.62  # of the mouth's width: how long a single tooth and how high a row of them is at most
+_TOOTH, _ROOT, _ROW = 0.45, 0.85, 0.62  # of the mouth's width: a single tooth's length, its height, a row's; at most
 _GAP_MM = 1.5  # between the middles of upper and lower teeth, at least
 
 
@@ -165,7 +165,7 @@ class _Mouth:
     def kind(self, used: Floats) -> str:
         """What is told of a piece here: "tooth" (upper or lower is seen later), "tongue" or "gums"."""
         long, high, deep = np.ptp(used, axis=0) / self.width
-        if max(long, high, deep) < _TOOTH:
+        if max(long, deep) < _TOOTH and high < _ROOT:  # a tooth may have its root
             return "tooth"
         arm = (used - (used.max(0) + used.min(0)) / 2) / self.width
         filled = float(((np.abs(arm[:, 0]) < 0.12) & (arm[:, 2] < 0.1)).mean()) > 0.12  # no horseshoe

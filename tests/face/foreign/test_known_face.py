@@ -56,3 +56,10 @@ def test_a_bare_mesh_is_sent_to_face_fit(tmp_path: Path, capsys: pytest.CaptureF
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     assert main(["face", "inspect", str(path)]) == 2
     assert f"'mien face fit {path} -o FACE.npz'" in capsys.readouterr().err
+
+
+def test_a_face_file_of_miens_is_sent_to_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "me.npz"
+    np.savez(path, a=np.zeros(1))
+    assert main(["face", "inspect", str(path)]) == 2
+    assert f"'mien say Hi --face {path} -o X.glb'" in capsys.readouterr().err

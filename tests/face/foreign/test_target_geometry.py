@@ -40,6 +40,15 @@ def test_a_squeezed_face_of_ours_is_laid_over_itself_and_its_shapes_are_known(sq
     assert np.abs(back[:2] - 6.0).max() < 8.0
 
 
+def test_channels_that_are_not_looked_for_are_compared_all_the_same(squeezed: Face) -> None:
+    """So that a lid that follows the eye is no lie, though it moves as one that closes."""
+    found, _ = likenesses(squeezed)
+    for name in ("eyeLookDownLeft", "eyeLookUpRight", "browInnerUpLeft", "mouthSharpPullLeft"):
+        assert list(found[f"t_{name}"].recipe) != [name]
+        assert found[f"t_{name}"].others[name] > 0.9
+        assert found["t_jawOpen"].others[name] < 0.25
+
+
 def test_a_face_whose_targets_move_at_random_is_not_trusted() -> None:
     random = np.random.default_rng(3)
     skin = max(load_face("default").parts, key=lambda part: len(part.targets))

@@ -292,7 +292,7 @@ def _lying(face: ForeignFace, likely: dict[str, Likeness]) -> dict[str, str]:
             named = {c for d in target.drives if d.match.kind == "shapes" for c in d.match.recipe}
             if not named or likeness is None or not likeness.sure or named & set(likeness.recipe):
                 continue
-            if all(likeness.of(channel) < _LYING for channel in named):
+            if all(likeness.others.get(channel, 1.0) < _LYING for channel in named):  # (1: nothing to compare with)
                 found[target.name] = f"it moves like {_like(likeness)}"
     return found
 

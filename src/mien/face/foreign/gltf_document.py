@@ -165,6 +165,9 @@ def read_gltf(path: str | Path) -> GltfDocument:
         document = _binary(path, content)
     elif path.suffix.lower() == ".gltf" or content.lstrip()[:1] == b"{":
         document = GltfDocument(path, _parsed(path, content))
+    elif path.suffix.lower() == ".npz":
+        told = f"'mien say Hi --face {path} -o X.glb' writes it as one"
+        raise InputError(f"{path} is a face file of mien's, not a .glb, .vrm or .gltf: {told}")
     else:
         told = f"'mien face fit {path} -o FACE.npz' gives a bare mesh its shapes"
         bare = path.suffix.lower() in _BARE

@@ -59,17 +59,13 @@ class Likeness:
     sure : bool
         Whether it is near enough, and nothing else is as near.
     others : mapping of str to float
-        Cosine with every channel.
+        Cosine with every channel that the default face has.
     """
 
     recipe: Mapping[str, float]
     cosine: float
     sure: bool
     others: Mapping[str, float] = field(default_factory=dict, repr=False)
-
-    def of(self, channel: str) -> float:
-        """Cosine with a channel, 0 for one that is not looked for."""
-        return self.others.get(channel, 0.0)
 
 
 @dataclass(frozen=True)
@@ -111,8 +107,12 @@ def likenesses(face: Face, keys: Sequence[str] | None = None) -> tuple[dict[str,
     motion = _motion_of(face)
     registration = registered(motion)
     asked = [key for key in motion if keys is None or key in keys]
-    cosines = _cosines({key: motion[key] for key in asked}, registration)
-    found = {key: _best(row) for key, row in zip(asked, cosines, strict=True)}
+    prints = _unit(_prints({key: motion[key] for key in asked}, registration))
+    names, known = _known()
+    found = {
+        key: _best(row, dict(zip(names, map(float, others), strict=True)))
+        for key, row, others in zip(asked, prints @ _candidates()[1].T, prints @ known.T, strict=True)
+    }
     if not registration.trusted:
         found = {key: replace(likeness, sure=False) for key, likeness in found.items()}
     return found, registration
@@ -162,9 +162,11 @@ def _extent(motion: Motion) -> tuple[Floats, Floats]:
 
 def _cosines(motion: Motion, registration: Registration) -> Floats:
     """Cosines with every candidate, shape (targets, candidates)."""
-    prints = _prints(motion, registration)
-    lengths = np.maximum(np.linalg.norm(prints, axis=1, keepdims=True), 1e-12)
-    return np.asarray((prints / lengths) @ _candidates()[1].T)
+    return np.asarray(_unit(_prints(motion, registration)) @ _candidates()[1].T)
+
+
+def _unit(prints: Floats) -> Floats:
+    return np.asarray(prints / np.maximum(np.linalg.norm(prints, axis=1, keepdims=True), 1e-12))
 
 
 def _prints(motion: Motion, registration: Registration) -> Floats:
@@ -179,14 +181,13 @@ def _prints(motion: Motion, registration: Registration) -> Floats:
     return np.stack(seen, axis=2).reshape(len(first), -1).astype(np.float64)
 
 
-def _best(row: Floats) -> Likeness:
+def _best(row: Floats, others: Mapping[str, float]) -> Likeness:
     names = _candidates()[0]
     order = np.argsort(-row, kind="stable")
     first = names[order[0]]
     rival = next((row[place] for place in order[1:] if not _related(first, names[place])), 0.0)
     sure = bool(row[order[0]] >= SURE and row[order[0]] - rival >= APART)
     weight = 1.0 / len(first)
-    others = {name[0]: float(cosine) for name, cosine in zip(names, row, strict=True) if len(name) == 1}
     return Likeness(dict.fromkeys(first, weight), round(float(row[order[0]]), 3), sure, others)
 
 
@@ -215,8 +216,14 @@ def _candidates() -> tuple[tuple[tuple[str, ...], ...], Floats]:
         right = name[: -len("Left")] + "Right"
         if name.endswith("Left") and right in motion and name not in ("mouthLeft", "jawLeft"):
             prints[name, right] = prints[name,] + prints[right,]
-    flat = np.array(list(prints.values()))
-    return tuple(prints), np.asarray(flat / np.linalg.norm(flat, axis=1, keepdims=True))
+    return tuple(prints), _unit(np.array(list(prints.values())))
+
+
+@cache
+def _known() -> tuple[tuple[str, ...], Floats]:
+    """All channels of the default face, looks and those beyond ARKit too, and their unit prints."""
+    motion = _motion_of(load_face("default"))
+    return tuple(motion), _unit(_prints(motion, Registration(np.ones(3), np.zeros(3))))
 
 
 @cache
