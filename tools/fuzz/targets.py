@@ -435,7 +435,7 @@ def _own_emotion() -> object:
 
 
 def _own_person() -> object:
-    from mien.face.cast.person import person_named
+    from mien.face.cast.made_person import person_named
 
     return person_named("mine")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mien.face.cast.person import Person
+    from mien.face.cast.made_person import Person
 
 __all__ = ["add_command", "write_sheet"]
 
@@ -77,7 +77,7 @@ def _person(options: argparse.Namespace, name: str) -> Person:
     from dataclasses import replace
 
     from mien.core.errors import InputError
-    from mien.face.cast.person import is_blend, made_up, person_called
+    from mien.face.cast.made_person import is_blend, made_up, person_called
 
     own: dict[str, Any] = {key: _number(f"--{key}", getattr(options, key)) for key in _NUMBERS if getattr(options, key)}
     own |= {key: value for key in ("hair", "hair_colour", "beard", "eyes", "shirt")

@@ -66,7 +66,7 @@ def _emotions() -> Iterable[Row]:
 
 
 def _faces() -> Iterable[Row]:
-    from mien.face.cast.person import person_named
+    from mien.face.cast.made_person import person_named
     from mien.face.library import known_faces
 
     yield "default", "a young man; the face that everything is learned on"

@@ -19,7 +19,7 @@ from typing import Any
 
 from mien.core.assets import asset_table
 from mien.core.errors import InputError, Note, unknown_name
-from mien.core.tables import read_rows
+from mien.core.table_rows import read_rows
 
 __all__ = ["LabelledSound", "LabelledSounds", "emotion_of_label", "read_labelled_sounds", "speaker_of_name"]
 

@@ -10,7 +10,7 @@ from mien.core.border import guarded, reading
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.limits import check_size, is_whole
 from mien.core.plain_text import read_plain_text
-from mien.core.tables import Table, first_row, read_rows
+from mien.core.table_rows import Table, first_row, read_rows
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE
 from mien.corpus.recipes import FIELDS

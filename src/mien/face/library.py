@@ -23,7 +23,7 @@ def known_faces() -> tuple[str, ...]:
     >>> "default" in known_faces()
     True
     """
-    from mien.face.cast.person import cast_names
+    from mien.face.cast.made_person import cast_names
 
     return ("default", *cast_names())
 
@@ -38,7 +38,7 @@ def is_named_face(name: object) -> TypeGuard[str]:
     """
     if name == "default":
         return True  # the usual one asks nothing of the cast
-    from mien.face.cast.person import is_blend
+    from mien.face.cast.made_person import is_blend
 
     return isinstance(name, str) and (name in known_faces() or is_blend(name))
 
@@ -55,7 +55,7 @@ def check_face(name: str) -> None:
     --------
     >>> check_face("amara+mei:0.5")
     """
-    from mien.face.cast.person import is_blend, person_called
+    from mien.face.cast.made_person import is_blend, person_called
 
     if is_blend(name):
         person_called(name)

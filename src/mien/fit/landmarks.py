@@ -31,7 +31,7 @@ from mien.core.assets import asset
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
 from mien.core.plain_text import read_plain_text
-from mien.core.tables import parsed_table
+from mien.core.table_rows import parsed_table
 
 __all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
 

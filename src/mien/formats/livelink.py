@@ -29,7 +29,7 @@ from mien.core.channels import ARKIT, HEAD, MUSCLES
 from mien.core.errors import InputError, Note
 from mien.core.files import replace_when_complete
 from mien.core.limits import check_size
-from mien.core.tables import read_rows
+from mien.core.table_rows import read_rows
 from mien.core.timeline import FrameRate, timecode
 from mien.core.tracks import ChannelTrack
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
 from mien.core.limits import is_whole
-from mien.core.tables import read_rows
+from mien.core.table_rows import read_rows
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mien.core.border import reading
 from mien.core.errors import InputError
-from mien.core.tables import read_rows
+from mien.core.table_rows import read_rows
 from mien.text.sync_points import Moment
 
 __all__ = [

@@ -1,7 +1,7 @@
 import numpy as np
 
 from mien.face.cast.eyes import iris_picture, wet_line
-from mien.face.cast.person import person_named
+from mien.face.cast.made_person import person_named
 from mien.face.head_space import head_space
 
 

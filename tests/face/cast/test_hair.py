@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mien.face.cast.hair import hair_parts
-from mien.face.cast.person import made_up
+from mien.face.cast.made_person import made_up
 from mien.face.head_space import head_space
 from mien.face.library import load_face
 

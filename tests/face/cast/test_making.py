@@ -4,8 +4,8 @@ from functools import cache
 
 import numpy as np
 
+from mien.face.cast.made_person import person_named
 from mien.face.cast.making import make_face
-from mien.face.cast.person import person_named
 from mien.face.default_face import default_face
 from mien.face.folds import folds_of
 from mien.face.model import Face

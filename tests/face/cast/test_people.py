@@ -1,7 +1,7 @@
 import numpy as np
 
+from mien.face.cast.made_person import cast_names, person_named
 from mien.face.cast.people import drawn_features, head_weights
-from mien.face.cast.person import cast_names, person_named
 from mien.face.head_space import head_space
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 
-from mien.face.cast.person import looks
+from mien.face.cast.made_person import looks
 from mien.face.cast.scalp import beard_growth, brow_growth, hair_growth
 
 CROWN, FOREHEAD, CHIN, ABOVE_LIP, BROW = (

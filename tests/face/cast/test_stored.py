@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from mien.face.cast import stored
-from mien.face.cast.person import person_named
+from mien.face.cast.made_person import person_named
 from mien.face.default_face import default_face
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from mien.core.errors import InputError, unknown_name
 from mien.core.limits import check_size
-from mien.core.tables import read_rows
+from mien.core.table_rows import read_rows
 from mien.face.library import check_face
 from mien.face.render.view import TRANSPARENT, View
 from mien.formats.video import check_film

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mien.capture.layouts import Layout, load_layout
 from mien.core.channels import ARKIT
 from mien.core.errors import InputError
-from mien.core.tables import first_row
+from mien.core.table_rows import first_row
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mien.core.errors import InputError
 from mien.core.limits import load_arrays
-from mien.core.tables import first_row, read_rows
+from mien.core.table_rows import first_row, read_rows
 from mien.core.timeline import FrameRate
 from mien.core.tracks import MarkerTrack
 from mien.corpus.readers.raw_recordings import Found, Raw, Reader

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import smoothstep
-from mien.face.cast.person import Person, looks
 from mien.face.cast.scalp import beard_growth
 from mien.face.cast.strands import Ground, Roots, along, roots_drawn, strands_part
 from mien.face.head_space import SKIN, HeadSpace

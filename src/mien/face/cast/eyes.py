@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.face.cast.made_person import Person
 from mien.face.cast.noise import smoothstep
-from mien.face.cast.person import Person
 from mien.face.contact import split_loop
 from mien.face.head_space import SKIN, HeadSpace
 from mien.face.model import Eye, Face, Material, Part, Target

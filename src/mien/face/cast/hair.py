@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import layered_noise, smoothstep
-from mien.face.cast.person import Person, looks
 from mien.face.cast.scalp import hair_depth, hair_growth
 from mien.face.cast.strands import Floats, Ground, Roots, along, roots_drawn, strand_colours, strands_part
 from mien.face.head_space import HeadSpace

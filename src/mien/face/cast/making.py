@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from mien.face.cast.beard import beard_part
 from mien.face.cast.eyes import iris_picture, wet_line
 from mien.face.cast.hair import hair_parts
+from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import smoothstep
 from mien.face.cast.people import head_weights
-from mien.face.cast.person import Person, looks
 from mien.face.cast.skin_paint import paint_skin, skin_tone
 from mien.face.contact import lip_seam
 from mien.face.head_reshaping import reshaped_face
@@ -42,7 +42,7 @@ def make_face(person: Person) -> Face:
 
     Examples
     --------
-    >>> from mien.face.cast.person import made_up
+    >>> from mien.face.cast.made_person import made_up
     >>> face = make_face(made_up("m", 44, "asian", seed=3))
     >>> "jawOpen" in face.part("skin").targets
     True

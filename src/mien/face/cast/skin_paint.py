@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, zoom
 
+from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import layered_noise, smoothstep, value_noise
 from mien.face.cast.people import open_sky
-from mien.face.cast.person import Person, looks
 from mien.face.cast.scalp import beard_growth, brow_growth, hair_depth
 from mien.face.folds import drawn_folds
 from mien.face.head_space import head_space
@@ -118,7 +118,7 @@ def paint_skin(person: Person) -> NDArray[np.uint8]:
 
     Examples
     --------
-    >>> from mien.face.cast.person import person_named
+    >>> from mien.face.cast.made_person import person_named
     >>> paint_skin(person_named("amara")).shape
     (2048, 2048, 3)
     """

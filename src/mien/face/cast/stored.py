@@ -12,8 +12,8 @@ from pathlib import Path
 from mien.core.assets import assets_folder
 from mien.core.errors import InputError, OutputError
 from mien.core.temporary_folder import temporary_folder
+from mien.face.cast.made_person import Person, person_called
 from mien.face.cast.making import make_face
-from mien.face.cast.person import Person, person_called
 from mien.face.model import Face
 from mien.face.storage import read_face, write_face
 

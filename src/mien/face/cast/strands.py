@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import layered_noise, smoothstep
-from mien.face.cast.person import Person, looks
 from mien.face.head_space import SKIN, HeadSpace
 from mien.face.model import Face, Material, Part
 from mien.face.surface import vertex_normals

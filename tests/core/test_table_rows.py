@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from mien.core.errors import InputError
-from mien.core.tables import parsed_table, read_rows
+from mien.core.table_rows import parsed_table, read_rows
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])

@@ -5,7 +5,7 @@ import pytest
 
 from mien.core.assets import asset
 from mien.core.errors import InputError
-from mien.face.cast.person import blended, cast_names, made_up, person_called, person_named
+from mien.face.cast.made_person import blended, cast_names, made_up, person_called, person_named
 
 
 def test_the_cast_has_both_sexes_three_ages_and_many_origins() -> None:
