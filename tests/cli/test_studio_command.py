@@ -36,7 +36,8 @@ def test_it_opens_answers_and_ends_cleanly(opened, request_to_end):
     _, complaints = program.communicate(timeout=60)
     assert program.returncode == 0
     assert "Traceback" not in complaints
-    assert list(folder.iterdir()) == []
+    assert not [path for path in folder.rglob("*") if path.is_file()]
+    assert not [path for path in folder.iterdir() if path.name.startswith("mien-studio-")]
 
 
 def test_a_port_that_is_taken_and_strangers_without_a_token_are_told_in_one_line(capsys):

@@ -104,8 +104,9 @@ try {
   const lane = await page.locator('.channel[data-lane=jawOpen] .body').boundingBox();
   await edited(() => page.mouse.dblclick(lane.x + lane.width * 0.3, lane.y + 9));
   await edited(() => page.mouse.dblclick(lane.x + lane.width * 0.5, lane.y + 30));
-  await page.mouse.click(lane.x + lane.width * 0.3, lane.y + 9, { button: 'right' });
+  await page.locator('.channel[data-lane=jawOpen] .handle').first().click({ button: 'right', force: true }); // keys snap
   await edited(() => page.getByRole('menuitemradio', { name: 'step' }).click());
+  await page.waitForSelector('.channel[data-lane=jawOpen] .handle[data-tangent=step]', { timeout: 5000 }).catch(() => undefined);
   seen.tangents = await page.locator('.channel[data-lane=jawOpen] .handle').evaluateAll((keys) => keys.map((key) => key.dataset.tangent));
   await settled();
   seen.apart = await page.evaluate(async () => {
