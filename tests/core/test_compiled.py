@@ -92,3 +92,32 @@ def test_who_waits_for_a_compilation_is_told_once() -> None:
     one, other = njit()(lambda: 1), njit()(lambda: 2)
     assert (one(), other(), one()) == (1, 2, 1)
     assert told == ["compiling"]
+
+
+def test_a_second_thread_waits_until_all_that_a_kernel_calls_is_ready() -> None:
+    code = (
+        "import threading, mien.core.compiled as c\n"
+        "@c.njit()\n"
+        "def square(x):\n    return x * x\n"
+        "@c.njit()\n"
+        "def squares(n):\n    return square(n) + 1\n"
+        "inner, reached, go = square, threading.Event(), threading.Event()\n"
+        "whole = inner.compiled\n"
+        "def slowly():\n"
+        "    reached.set()\n    go.wait(10)\n    return whole()\n"
+        "inner.compiled = slowly\n"
+        "got = []\n"
+        "first = threading.Thread(target=lambda: got.append(squares(3)))\n"
+        "outer = squares\n"
+        "first.start()\n"
+        "assert reached.wait(60)\n"
+        "second = threading.Thread(target=lambda: got.append(outer(4)))\n"
+        "second.start()\n"
+        "second.join(0.5)\n"
+        "assert second.is_alive(), got\n"
+        "go.set()\n"
+        "first.join()\nsecond.join()\n"
+        "print(sorted(got))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "[10, 17]", done.stderr

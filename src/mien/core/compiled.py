@@ -95,6 +95,7 @@ def _numba() -> ModuleType:
 
 
 _one_at_a_time = threading.RLock()
+_in_work: list[Kernel] = []
 _made: list[Any] = []
 _to_tell: Callable[[], None] | None = None
 
@@ -112,27 +113,36 @@ class Kernel:
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]) -> None:
         self.py_func, self._options = function, options
         self._compiled: Callable[..., Any] | None = None
+        self._ready: Callable[..., Any] | None = None
         update_wrapper(self, function)
 
     def __call__(self, *given: Any) -> Any:
         """Run it."""
-        return (self._compiled or self.compiled())(*given)
+        return (self._ready or self.compiled())(*given)
 
     def compiled(self) -> Callable[..., Any]:
-        """What numba makes of it; the kernels that it calls by name become numba's as well."""
+        """What numba makes of it; the kernels that it calls by name become numba's as well.
+
+        A kernel is ready only when all that it calls are: another thread that comes meanwhile waits.
+        """
         with _one_at_a_time:
-            if self._compiled is None:
-                numba, options = _numba(), dict(self._options)
-                options["cache"] = options.get("cache", False) and kept()
-                compiled = self._compiled = numba.njit(**options)(self.py_func)
-                _made.append(compiled)
-                _tell_if_new(compiled)
-                names = self.py_func.__globals__
-                for name, value in list(names.items()):
-                    if isinstance(value, Kernel):
-                        names[name] = value.compiled()
-                return compiled  # type: ignore[no-any-return]
-            return self._compiled
+            if self._compiled is not None:
+                return self._compiled
+            _in_work.append(self)
+            numba, options = _numba(), dict(self._options)
+            options["cache"] = options.get("cache", False) and kept()
+            compiled = self._compiled = numba.njit(**options)(self.py_func)
+            _made.append(compiled)
+            _tell_if_new(compiled)
+            names = self.py_func.__globals__
+            for name, value in list(names.items()):
+                if isinstance(value, Kernel):
+                    names[name] = value.compiled()
+            if _in_work[0] is self:
+                for kernel in _in_work:
+                    kernel._ready = kernel._compiled
+                _in_work.clear()
+            return compiled  # type: ignore[no-any-return]
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
