@@ -23,6 +23,9 @@ SEED ?= 1
 UV := 0.13.9
 SENTENCE ?= I never said that. Maybe five people heard my voice!
 
+# Where this is set, each of the hundreds of processes that tests start would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Node's packages as pinned, installed once for each change of the lock file.
 studio/node_modules/.mien-lock: studio/package-lock.json
 	cd studio && npm ci

@@ -20,13 +20,16 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 ROOMS = ("core", "text", "animation", "motion", "metrics", "pipeline")
 SECONDS = 120  # of processor time
 NO_TESTS = 5  # what pytest returns when none was chosen
+QUICK, SLOW = "not slow", "slow"
 _COMPARED = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
 _WORKED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
@@ -121,33 +124,40 @@ def tests_of(path: Path) -> list[str]:
     return [str(test.relative_to(ROOT)) for test in (*mirror, *(test for test in files if test not in mirror))][:6]
 
 
-def tests_pass(path: Path, copy: Path) -> bool:
-    """Whether the tests of a module pass in the copy: the quick ones, and only then the slow ones."""
+def tests_pass(path: Path, copy: Path, which: str) -> bool:
+    """Whether the tests of a module pass in the copy: those that are "not slow", or the "slow" ones."""
     tests = [str(copy / path.relative_to(ROOT)), *tests_of(path)]
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests, "-m"]
-    environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
-    for which in ("not slow", "slow"):
-        done = subprocess.run(
-            [*command, which], cwd=copy, env=environment, capture_output=True, preexec_fn=_limited, check=False
-        )
-        if done.returncode not in (0, NO_TESTS):
-            return False
-    return True
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests, "-m", which]
+    environment = {**os.environ, "PYTHONPATH": str(copy / "src")}
+    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, preexec_fn=_limited, check=False)
+    return done.returncode in (0, NO_TESTS)
 
 
 def _limited() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
 
-def survives(mutant: Mutant, copy: Path) -> bool:
-    """Whether all tests pass with the change in."""
+def _write_anew(target: Path, text: str) -> None:
+    """Write a source file whose compiled form is not to be taken for that of the text before it."""
+    target.write_text(text, encoding="utf-8")
+    for compiled in target.parent.glob(f"__pycache__/{target.stem}.*.pyc"):
+        compiled.unlink()
+
+
+def survives(mutant: Mutant, copy: Path, sound: Callable[[Path, str], bool]) -> bool:
+    """Whether all tests pass with the change in: the quick ones, and only then the slow ones that pass without it."""
     target = copy / mutant.path.relative_to(ROOT)
     kept = target.read_text(encoding="utf-8")
-    target.write_text(mutant.text, encoding="utf-8")
-    try:
-        return tests_pass(mutant.path, copy)
-    finally:
-        target.write_text(kept, encoding="utf-8")
+    for which in (QUICK, SLOW):
+        if not sound(mutant.path, which):
+            continue
+        _write_anew(target, mutant.text)
+        try:
+            if not tests_pass(mutant.path, copy, which):
+                return False
+        finally:
+            _write_anew(target, kept)
+    return True
 
 
 def main() -> None:
@@ -170,12 +180,17 @@ def main() -> None:
             shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
         for name in ("pyproject.toml", "README.md", "constraints.txt"):
             shutil.copy(ROOT / name, copy / name)
-        sound = {path: tests_pass(path, copy) for path in sorted({path for path, _ in places})}
-        for path in (path for path, passed in sound.items() if not passed):
-            print(f"left out, its tests fail unchanged: {path.relative_to(ROOT)}", flush=True)
-        found, alive = [mutant(*place) for place in places if sound[place[0]]], 0
+
+        @cache
+        def sound(path: Path, which: str) -> bool:
+            passed = tests_pass(path, copy, which)
+            if not passed:
+                print(f"left out, {which} tests fail unchanged: {path.relative_to(ROOT)}", flush=True)
+            return passed
+
+        found, alive = [mutant(*place) for place in sorted(places) if sound(place[0], QUICK)], 0
         for done, change in enumerate(found, start=1):
-            if survives(change, copy):
+            if survives(change, copy, sound):
                 alive += 1
                 where = f"{change.path.relative_to(ROOT)}:{change.line}"
                 print(f"{done}/{len(found)} survived: {where}: {change.was[:80]}", flush=True)
