@@ -6,16 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from mien.speech.voices.onnx_outline import _field, _varint, outline
+from mien.speech.voices.onnx_outline import outline
+from mien.speech.voices.protocol_buffer import number, text
 
 
 def _tensor(name: str, numbers: bytes) -> bytes:
-    return _field(5, _varint(1 << 3) + _varint(len(numbers)) + _field(8, name.encode()) + _field(9, numbers))
+    return text(5, number(1, len(numbers)) + text(8, name) + text(9, numbers))
 
 
 def _model(*tensors: bytes) -> bytes:
-    graph = _field(1, b"a node") + b"".join(tensors) + _field(12, b"an output")
-    return _varint(1 << 3) + _varint(9) + _field(7, graph) + _field(8, b"opset")
+    graph = text(1, b"a node") + b"".join(tensors) + text(12, b"an output")
+    return number(1, 9) + text(7, graph) + text(8, b"opset")
 
 
 def test_small_weights_stay_and_large_ones_are_named(tmp_path: Path) -> None:
