@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.core.channels import ALL
-from mien.face.folds import _resized, drawn_folds, folds_of
+from mien.face.folds import _box, _resized, drawn_folds, folds_of
 from mien.face.library import load_face
 from mien.face.posing import Poser
 from mien.face.render.camera import Camera
@@ -71,5 +71,5 @@ def test_a_fold_has_the_same_size_in_every_level() -> None:
     shade = next(fold for fold in drawn_folds()[1] if fold.name == "chin").shade
     total = float(shade[np.abs(shade) > 0.015].sum()) / shade.size
     for size in (2048, 1024, 512, 256):
-        _, _, values = _resized(shade, size, size)
+        _, _, values = _resized(shade, _box(shade), size, size)
         assert float(values.sum()) / size**2 == pytest.approx(total, rel=0.1)

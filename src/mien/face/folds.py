@@ -72,8 +72,9 @@ class Folds:
         self.folds = folds
         texels, owners, shades = [], [], []
         for number, fold in enumerate(folds):
+            box = _box(fold.shade)
             for first, wide, tall in sizes.tolist():
-                rows, columns, shade = _resized(fold.shade, tall, wide)
+                rows, columns, shade = _resized(fold.shade, box, tall, wide)
                 texels.append(first + rows * wide + columns)
                 owners.append(np.full(len(rows), number))
                 shades.append(shade)
@@ -143,15 +144,22 @@ def drawn_folds() -> tuple[str, tuple[Fold, ...]]:
         return arrays["layout"].tobytes().decode(), tuple(found)
 
 
-def _resized(picture: Floats, tall: int, wide: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+def _box(picture: Floats) -> tuple[slice, slice]:
+    """Where a picture is not 0, in whole blocks."""
+    sides = np.flatnonzero(picture.any(axis=1)), np.flatnonzero(picture.any(axis=0))
+    down, aside = (slice(s.min() // _BLOCK * _BLOCK, (s.max() // _BLOCK + 1) * _BLOCK) for s in sides)
+    return down, aside
+
+
+def _resized(
+    picture: Floats, box: tuple[slice, slice], tall: int, wide: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
     """Rows, columns and values of what is not 0 of a square picture in another size; nothing where it is tiny."""
     size = len(picture)
     nothing = np.zeros(0, dtype=np.int64)
     if tall != wide or tall < size // _BLOCK or (max(tall, size) % min(tall, size)):
         return nothing, nothing, np.zeros(0, dtype=np.float32)
-    rows, columns = np.nonzero(picture)
-    top, left = rows.min() // _BLOCK * _BLOCK, columns.min() // _BLOCK * _BLOCK
-    part = picture[top : (rows.max() // _BLOCK + 1) * _BLOCK, left : (columns.max() // _BLOCK + 1) * _BLOCK]
+    part, top, left = picture[box], box[0].start, box[1].start
     if tall < size:
         step = size // tall
         part = part.reshape(part.shape[0] // step, step, part.shape[1] // step, step).mean(

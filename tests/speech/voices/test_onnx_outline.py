@@ -38,9 +38,9 @@ def test_a_weight_that_is_cut_stays_inside(tmp_path: Path) -> None:
     numbers = bytes(range(256)) * 20
     whole = _model(_tensor("large", numbers))
     cut = whole.index(numbers) + 1000
-    for number, piece in enumerate((whole[:cut], whole[cut:])):
-        (tmp_path / f"{number}").mkdir()
-        (tmp_path / f"{number}" / "part.bin").write_bytes(piece)
+    for place, piece in enumerate((whole[:cut], whole[cut:])):
+        (tmp_path / f"{place}").mkdir()
+        (tmp_path / f"{place}" / "part.bin").write_bytes(piece)
     found, folder = outline([tmp_path / "0/part.bin", tmp_path / "1/part.bin"])
     assert folder == tmp_path
     assert found == whole

@@ -3,8 +3,8 @@
 An ONNX file is a protocol buffer: ``ModelProto.graph`` (field 7) holds the nodes and, as ``GraphProto.initializer``
 (field 5), the weights. Here the file is walked field by field; weights are passed over, and in the outline each is
 named by file, place and length (``TensorProto.external_data``, field 13, with ``data_location``, field 14;
-https://onnx.ai/onnx/repo-docs/ExternalData.html). Of a network of 90 MB nine tenths are then never copied. On the way convolutions
-are given signed sound (`mien.speech.voices.signed_convolutions`).
+https://onnx.ai/onnx/repo-docs/ExternalData.html). Of a network of 90 MB nine tenths are then never copied. On the way
+convolutions are given signed sound (`mien.speech.voices.signed_convolutions`).
 """
 
 from __future__ import annotations
