@@ -51,4 +51,5 @@ def test_targets_move_as_far_as_they_did(read, style):
     whole, small = found["whole"]["transform"]["moved"], found[style]["transform"]["moved"]
     jaw = small["jawOpen"] / whole["jawOpen"]  # steps of the file in a metre
     for name in ARKIT:
-        assert small[name] / jaw == pytest.approx(whole[name], abs=2e-5), name
+        # Steps of 0.05 mm; the vertex that moves most need not be one of those kept.
+        assert small[name] / jaw == pytest.approx(whole[name], abs=2e-4), name

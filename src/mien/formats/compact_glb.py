@@ -1,9 +1,10 @@
 """A GLB of about a quarter of the size, for the web and for games.
 
 Whole numbers instead of decimals (``KHR_mesh_quantization``, which three.js, Babylon, Godot, Unity's and Blender's
-importers know): places in steps of a few micrometres, normals in 1/127, weights of joints in 1/255, keys in 1/65535.
-ARKit's 52 targets without mien's further ones, movements below `_LEAST_MOVE` left out, pictures of at most 1024 pixels
-a side. With ``EXT_meshopt_compression`` (not in Blender) half of that is left.
+importers know): places in steps of `_STEP`, normals in 1/127, weights of joints in 1/255, keys in 1/65535. Skin, eyes
+and teeth have fewer triangles (`mien.formats.reduced_meshes`), with the normals of the whole mesh. ARKit's 52 targets
+without mien's further ones, movements below `_LEAST_MOVE` left out, pictures of at most 1024 pixels a side.
+``EXT_meshopt_compression`` (not in Blender) makes half of that.
 """
 
 from __future__ import annotations
@@ -19,15 +20,20 @@ from numpy.typing import NDArray
 
 from mien.core.channels import ARKIT, TONGUE
 from mien.core.errors import MissingPartError
-from mien.face.model import Eye, Face, Part, Target
+from mien.face.model import Eye, Face, Part
 from mien.formats.face_motion import linear_light
 from mien.formats.gltf import METRES, GlbBuilder
 from mien.formats.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, MeshoptBuffer
+from mien.formats.reduced_meshes import reduced_face, subset
 
 __all__ = ["CompactBuilder", "check_meshopt"]
 
-_LEAST_MOVE = 0.04
-"""Millimetres at weight 1 below which a vertex is not moved: a tenth of a pixel of a face that fills a screen."""
+_LEAST_MOVE = 0.1
+"""Millimetres at weight 1 below which a vertex is not moved: a third of a pixel of a face that fills a screen."""
+_STEP = 0.05
+"""Millimetres between neighbouring places: one byte holds a motion of up to 6.3 mm, as most targets have."""
+_FIBRES = ("hair", "brows", "lashes")
+"""Materials too fine for a motion to show in their light."""
 _SIDE, _QUALITY = 1024, 85
 
 Floats = NDArray[np.float32]
@@ -39,16 +45,18 @@ class CompactBuilder(GlbBuilder):
     extensions: tuple[str, ...] = ("KHR_mesh_quantization",)
 
     def __init__(self, face: Face, clip: str = "performance", meshopt: bool = False) -> None:
-        if meshopt:
-            check_meshopt()
-            face = replace(face, parts=tuple(map(_reordered, face.parts)), tree=None, sites={})
         super().__init__(face, clip)
+        self.face, self._numbers = reduced_face(face)
         self._packed = meshopt
         if meshopt:
+            check_meshopt()
             self.extensions, self.buffer = (*self.extensions, "EXT_meshopt_compression"), MeshoptBuffer()
+            used = {part.name: _as_used(part) for part in self.face.parts}
+            self.face = replace(self.face, parts=tuple(subset(part, *used[part.name]) for part in self.face.parts))
+            self._numbers = {name: old[used[name][0]] for name, old in self._numbers.items()}
         reach = max(float(np.abs(part.vertices).max(initial=0.0)) for part in face.parts)
         moves = [np.abs(t.offsets).max(initial=0.0) for part in face.parts for t in part.targets.values()]
-        self.step = max(reach, float(max(moves, default=0.0)), 1.0) / 32_767  # mm
+        self.step = max(_STEP, max(reach, float(max(moves, default=0.0))) / 32_767)  # mm
 
     def _targets(self, parts: Sequence[Part], extra: tuple[str, ...]) -> tuple[str, ...]:
         if extra != TONGUE:
@@ -60,7 +68,7 @@ class CompactBuilder(GlbBuilder):
         add = self.buffer.add
         attributes = {
             "POSITION": add(np.rint(vertices / self.step).astype(np.int16), ARRAY_BUFFER, bounds=True),
-            "NORMAL": add(_signed(self._normals.at_rest(part), np.int8), ARRAY_BUFFER, normalized=True),
+            "NORMAL": add(_signed(self._at_rest(part), np.int8), ARRAY_BUFFER, normalized=True),
         }
         if part.material.texture is not None:
             inside = part.uv.min() >= 0 and part.uv.max() <= 1
@@ -75,10 +83,19 @@ class CompactBuilder(GlbBuilder):
             "material": self._material(part.material),
         }
 
-    def _joint_weights(self, weights: Floats) -> int:
+    def _at_rest(self, part: Part) -> Floats:
+        return self._normals.at_rest(part)[self._numbers[part.name]]
+
+    def _joints(self, joints: NDArray[np.uint8], weights: Floats) -> tuple[int, int]:
         whole = np.rint(255 * weights).astype(np.uint8)
         whole[:, 0] = 255 - whole[:, 1:].sum(axis=1)
-        return self.buffer.add(whole, ARRAY_BUFFER, normalized=True)
+        if self._packed or (joints != joints[0]).any() or (whole != whole[0]).any():
+            return self.buffer.add(joints, ARRAY_BUFFER), self.buffer.add(whole, ARRAY_BUFFER, normalized=True)
+        longest = max(len(part.vertices) for part in self.face.parts)  # one view serves all that move as one
+        return (
+            self.buffer.add_constant(joints[0], len(joints), longest),
+            self.buffer.add_constant(whole[0], len(joints), longest, normalized=True),
+        )
 
     def _target(self, part: Part, name: str) -> dict[str, int]:
         moved = np.zeros((len(part.vertices), 3))
@@ -86,19 +103,20 @@ class CompactBuilder(GlbBuilder):
             target = part.targets[name]
             np.add.at(moved, target.vertices, target.offsets)
         rows = np.flatnonzero(np.linalg.norm(moved, axis=1) >= _LEAST_MOVE)
-        steps, normals = np.zeros(moved.shape, np.int16), np.zeros(moved.shape, np.int8)
+        whole = np.rint(moved[rows] / self.step)
+        steps = np.zeros(moved.shape, np.int8 if np.abs(whole).max(initial=0) <= 127 else np.int16)
+        steps[rows] = whole
+        add, add_sparse = self.buffer.add, self.buffer.add_sparse
+        packed = self._packed and len(rows) > 0  # its zeros cost nothing there
+        places = add(steps, ARRAY_BUFFER, bounds=True) if packed else add_sparse(steps, rows=rows)
+        if part.material.name in _FIBRES:
+            return {"POSITION": places}
+        turned = np.zeros(moved.shape, np.int8)
         if len(rows):
-            steps[rows] = np.rint(moved[rows] / self.step)
-            normals[rows] = _signed(self._normals.change(part, name)[rows], np.int8)
-        if self._packed and len(rows):  # its zeros cost nothing there
-            return {
-                "POSITION": self.buffer.add(steps, ARRAY_BUFFER, bounds=True),
-                "NORMAL": self.buffer.add(normals, ARRAY_BUFFER, normalized=True),
-            }
-        return {
-            "POSITION": self.buffer.add_sparse(steps, rows=rows),
-            "NORMAL": self.buffer.add_sparse(normals, normalized=True, rows=rows),
-        }
+            turned[rows] = _signed(self._normals.change(part, name)[self._numbers[part.name]][rows], np.int8)
+        if packed:
+            return {"POSITION": places, "NORMAL": add(turned, ARRAY_BUFFER, normalized=True)}
+        return {"POSITION": places, "NORMAL": add_sparse(turned, normalized=True, rows=rows)}
 
     def _inverse(self, inverse: Floats) -> Floats:
         scaled = np.array(inverse)
@@ -134,26 +152,12 @@ def check_meshopt() -> None:
         raise MissingPartError("meshopt compression needs a library: pip install 'mien[meshopt]'")
 
 
-def _reordered(part: Part) -> Part:
-    """The part with its vertices in the order in which its triangles use them: neighbours compress well."""
+def _as_used(part: Part) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+    """Vertices in the order in which triangles use them, for neighbours compress well; and those triangles."""
     import meshopt
 
     triangles, place, used = meshopt.reorder_mesh(part.triangles.reshape(-1).astype(np.uint32), True, False)
-    order = np.argsort(place, kind="stable")[:used]
-    targets = {}
-    for name, target in part.targets.items():
-        there = place[target.vertices]
-        kept = there < used
-        targets[name] = Target(there[kept].astype(np.int32), target.offsets[kept])
-    return replace(
-        part,
-        vertices=part.vertices[order],
-        triangles=np.asarray(triangles).reshape(-1, 3).astype(np.int32),
-        uv=part.uv[order],
-        colours=part.colours[order],
-        head_weight=part.head_weight[order],
-        targets=targets,
-    )
+    return np.argsort(place, kind="stable")[:used], np.asarray(triangles).reshape(-1, 3).astype(np.int64)
 
 
 def _signed(values: NDArray[Any], kind: type[np.int8] | type[np.int16]) -> NDArray[Any]:

@@ -219,13 +219,13 @@ class GlbBuilder:
         whole = weight == 1.0  # a joint that carries nothing is not named
         joints[:, 0], weights[:, 0] = whole, np.where(whole, 1.0, 1.0 - weight)
         joints[:, 1], weights[:, 1] = (weight > 0) & ~whole, np.where(whole, 0.0, weight)
-        primitive["attributes"]["JOINTS_0"] = self.buffer.add(joints, ARRAY_BUFFER)
-        primitive["attributes"]["WEIGHTS_0"] = self._joint_weights(weights)
+        attributes = primitive["attributes"]
+        attributes["JOINTS_0"], attributes["WEIGHTS_0"] = self._joints(joints, weights)
         primitive["targets"] = [self._target(part, name) for name in targets]
         return primitive
 
-    def _joint_weights(self, weights: Floats) -> int:
-        return self.buffer.add(weights, ARRAY_BUFFER)
+    def _joints(self, joints: NDArray[np.uint8], weights: Floats) -> tuple[int, int]:
+        return self.buffer.add(joints, ARRAY_BUFFER), self.buffer.add(weights, ARRAY_BUFFER)
 
     def _target(self, part: Part, name: str) -> dict[str, int]:
         offsets = np.zeros_like(part.vertices, dtype=np.float32)

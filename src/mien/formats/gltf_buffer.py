@@ -89,6 +89,16 @@ class GltfBuffer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
+    def add_constant(self, row: NDArray[Any], count: int, longest: int, *, normalized: bool = False) -> int:
+        """Attributes that are the same for ``count`` vertices; all of the same row read one view of ``longest``."""
+        raw = np.tile(row, (longest, 1))
+        key = raw.tobytes()
+        if key not in self._rows:
+            self._rows[key] = self.add_vertices(raw, ARRAY_BUFFER)
+        accessor = self._accessor(raw[:count]) | {"bufferView": self._rows[key]}
+        self.accessors.append(accessor | ({"normalized": True} if normalized else {}))
+        return len(self.accessors) - 1
+
     def add_sparse(self, array: NDArray[Any], *, normalized: bool = False, rows: NDArray[np.intp] | None = None) -> int:
         """Append an array of shape (n, 3) that is mostly zero; returns the number of its accessor.
 
