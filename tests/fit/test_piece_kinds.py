@@ -8,7 +8,7 @@ from mien.face.default_face import default_face
 from mien.face.head_space import head_space
 from mien.fit.head_mesh import _bulging
 from mien.fit.landmarks import known_landmarks
-from mien.fit.piece_kinds import _Mouth, kinds_of_pieces
+from mien.fit.piece_kinds import Piece, _Mouth, _upper_and_lower, kinds_of_pieces
 
 
 def _teeth():
@@ -61,3 +61,16 @@ def test_a_row_of_teeth_bulges() -> None:
     facing = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     assert _bulging(corner.mean(axis=1), facing).sum() > 0
     assert _bulging(corner.mean(axis=1), -facing).sum() < 0
+
+
+def test_teeth_of_a_head_that_nods() -> None:
+    places = {"lip_corner_left": (22.0, -70.0, 0.0), "lip_corner_right": (-22.0, -70.0, 0.0)}
+    places |= {"eye_outer_left": (44.0, 0.0, 0.0), "eye_outer_right": (-44.0, 0.0, 0.0)}
+    mouth = _Mouth.of({name: np.array(place) for name, place in places.items()})
+    corner = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5]), axis=-1).reshape(-1, 3) * (7, 9, 7)
+    depth = np.repeat(np.linspace(25, -20, 7), 2)  # seven on each side of each row; they rise by 14 mm to the back
+    upper = [corner + np.array([side, -65 - 0.3 * z, z]) for side, z in zip([9, -9] * 7, depth, strict=True)]
+    lower = [tooth - (0, 9.5, 0) for tooth in upper]
+    pieces = [Piece("tooth", np.zeros(1, np.int64), np.zeros(3), 0.0)] * 28
+    found = [piece.kind for piece in _upper_and_lower(pieces, upper + lower, mouth)]
+    assert found == ["upper"] * 14 + ["lower"] * 14

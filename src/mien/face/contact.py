@@ -69,6 +69,15 @@ class Seam:
             moved[:, 1] += (self.lower_pull - self.upper_pull) * at
         return moved - vertices
 
+    def pinching(self, vertices: Floats, wanted: Floats) -> Floats:
+        """Offsets (n, 3), up and down, that bring single pairs together which `closing` left too far apart."""
+        moved = vertices.copy()
+        counts = [np.maximum(half.T @ np.ones(half.shape[0]), 0.3) for half in (self.upper, self.lower)]
+        for _ in range(6):
+            excess = np.maximum(self.gaps(moved) - wanted, 0.0)
+            moved[:, 1] += (self.lower.T @ excess) / counts[1] / 2 - (self.upper.T @ excess) / counts[0] / 2
+        return moved - vertices
+
 
 def _averaged(where: Floats, values: Floats, places: Floats) -> tuple[Floats, Floats]:
     """Means of the values in the bins between places, where there are any."""

@@ -20,6 +20,7 @@ from mien.face.surface import Surface
 from mien.face.warps import Similarity
 from mien.fit.alignment import Alignment, align
 from mien.fit.eye_cut import cut_out_eye, eye_patch
+from mien.fit.eye_socket import sockets_of
 from mien.fit.fit_judge import Finding, judged
 from mien.fit.head_mesh import HeadMesh, outward, prepared_mesh
 from mien.fit.head_parts import ADDED, DEFAULT_ADDED, GivenMesh, HeadParts
@@ -40,6 +41,7 @@ _FOLDED = 0.001  # of the skin's area
 _EYE_FILLED = 0.4  # of the opening between the lids
 _JOINED = 0.5  # of the mouth's width
 _AT_ONCE = 9  # targets
+_LID_OVERLAP = 0.0  # mm: lids that shut meet; the default's overlap a little
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +204,8 @@ class _Builder:
         lip_gap, lid_gap = self._mend(targets, vertices, seams)
         part = self.parts.skin_part(vertices, triangles, kept, carried, targets)
         motion = PieceMotion(self.head, self.reshaped.face, vertices, targets)
-        parts, eyes = self.parts.other_parts(cut, carried, motion)
+        parts, eyes, told = self.parts.other_parts(cut, carried, motion)
+        self.notes.append(Note("note", told))
         own = self.reshaped.face
         sites = self._sites(vertices, carried)
         face = Face(self.name, (part, *parts), eyes, own.head_pivot, sites, "")
@@ -281,28 +284,19 @@ class _Builder:
 
     def _targets(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Moves]:
         names = list(self.reshaped.targets)
-        still = self._behind_lids(carried, vertices)
-        trust = np.maximum(carried.trust, still)
+        sockets = sockets_of(self.reshaped.face, carried, vertices)
+        trust = carried.trust.copy()
+        for socket in sockets:
+            trust[socket.numbers] = 1.0
         found: dict[str, Moves] = {}
         for first in range(0, len(names), _AT_ONCE):  # a million vertices times all targets would not fit
             some = names[first : first + _AT_ONCE]
             moved = carried.matrix @ np.hstack([self.reshaped.targets[name] for name in some])
-            moved = filled(trust, (1 - still[:, None]) * moved, triangles).astype(np.float32)
+            for socket in sockets:
+                socket.turn(moved)
+            moved = filled(trust, moved, triangles).astype(np.float32)
             found |= {name: np.ascontiguousarray(moved[:, 3 * k : 3 * k + 3]) for k, name in enumerate(some)}
         return found
-
-    def _behind_lids(self, carried: Carried, vertices: Floats) -> Floats:
-        """1 deep in the eyes' sockets, where nothing moves with the lids, to 0 at the lids; shape (n,)."""
-        still = np.zeros(len(vertices))
-        for eye in self.reshaped.face.eyes:
-            centre = np.array(eye.centre)
-            ball = self.reshaped.face.part(eye.part).vertices
-            radius = float(np.median(np.linalg.norm(ball - centre, axis=1)))
-            near = (np.linalg.norm(vertices - centre, axis=1) < 2.0 * radius) & (
-                vertices[:, 2] < centre[2] + 0.6 * radius
-            )
-            still = np.maximum(still, near * np.clip((carried.distance - 1.0) / 3.0, 0, 1))
-        return np.nan_to_num(still)
 
     def _seams(self, carried: Carried, vertices: Floats, triangles: Indices) -> dict[str, Seam]:
         """The default's lips and lids as points of the head."""
@@ -330,7 +324,8 @@ class _Builder:
             lips = seams["mouth"]
             together = vertices + targets["jawOpen"] + targets["mouthClose"]
             rest = lips.gaps(vertices)
-            targets["mouthClose"] += lips.closing(together, rest)
+            closed = lips.closing(together, rest)
+            targets["mouthClose"] += closed + lips.pinching(together + closed, rest)
             left = lips.gaps(vertices + targets["jawOpen"] + targets["mouthClose"]) - rest
             lip_gap = float(np.percentile(left, 98))
         for side in ("Left", "Right"):
@@ -339,7 +334,7 @@ class _Builder:
                 continue
             blink = f"eyeBlink{side}"
             own = lid_seam(side)
-            wanted = own.gaps(self.skin + self.reshaped.targets[blink])
+            wanted = np.maximum(own.gaps(self.skin + self.reshaped.targets[blink]), _LID_OVERLAP)
             targets[blink] += lids.closing(vertices + targets[blink], wanted)
             gap = float(np.percentile(lids.gaps(vertices + targets[blink]), 95))
             lid_gap = gap if np.isnan(lid_gap) else max(gap, lid_gap)

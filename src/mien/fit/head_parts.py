@@ -36,6 +36,7 @@ _PARTS = {
     "shirt": ("shirt",),
 }
 _MOUTH_DEPTH_MM = 14.0
+_SCALP_MM = 16.0  # from the default's hair
 _OWN = {
     "upper": Material("teeth", (0.9, 0.87, 0.8), None, 0.25, 0.5),
     "lower": Material("teeth", (0.9, 0.87, 0.8), None, 0.25, 0.5),
@@ -123,6 +124,21 @@ class HeadParts:
         lashes = [piece for piece in self.head.pieces if piece.kind == "lash"]
         return bool(lashes) and not any(self._painted(piece) for piece in lashes)
 
+    def _told(self, names: set[str], in_gums: bool, hollow: bool) -> str:
+        """Of eyes, teeth, tongue and the mouth's inside: whose they are; ``names`` are the parts'."""
+        kinds = [piece.kind for piece in self.head.pieces]
+        joined, teeth = "of its own, one piece with the gums", sum(kind in ("upper", "lower") for kind in kinds)
+        anew = ", painted anew" if self.unpainted_eyes() and "eyes" in self.added else ""
+        own = {
+            "eyes": f"of its own ({len(self.eye_pieces)}){anew}" if self.eye_pieces else "",
+            "teeth": f"of its own, pieces: {teeth}" if teeth else joined if "gums" in kinds else "",
+            "tongue": "of its own" if "tongue" in kinds else joined if in_gums else "",
+            "inside of the mouth": "of its own" if hollow else "",
+        }
+        lent = {"eyes": "eye_left", "teeth": "teeth_lower", "tongue": "tongue", "inside of the mouth": "mouth"}
+        found = {key: words or ("the default's" if lent[key] in names else "none") for key, words in own.items()}
+        return "; ".join(f"{key}: {words}" for key, words in found.items())
+
     def skin_part(
         self,
         vertices: Floats,
@@ -158,10 +174,22 @@ class HeadParts:
         column = np.clip((self.space.skin.uv[:, 0] * width).astype(int), 0, width - 1)
         row = np.clip((self.space.skin.uv[:, 1] * height).astype(int), 0, height - 1)
         paint = material.texture[row, column] / 255 * self.space.skin.colours
+        if "hair" not in self.added:
+            paint = self._without_scalp(paint)
         # Far from the fitted skin there is no place to take a colour from: the mean of the cheeks.
         usual = paint[[self.space.face.sites[f"cheek_{side}"][1] for side in ("left", "right")]].mean(0)
         share = np.clip(2 - np.nan_to_num(carried.distance, nan=99.0) / 15.0, 0, 1)[:, None]
         return usual + share * (carried.matrix @ paint - usual), replace(material, texture=None)
+
+    def _without_scalp(self, paint: Floats) -> Floats:
+        """The default's paint without the cropped hair on its scalp, which nobody asked for."""
+        away = cKDTree(self.space.face.part("hair").vertices).query(self.space.rest)[0]
+        light = paint.mean(axis=1)
+        x, y, z = self.space.rest.T
+        forehead = (np.abs(x) < 45) & (y > 22) & (z > 0) & (away > 6.0)
+        skin = forehead & (light > 0.9 * np.median(light[forehead]))
+        share = np.clip((_SCALP_MM - away) / 4.0, 0, 1) * (light < light[skin].min())
+        return np.asarray(paint + share[:, None] * (np.median(paint[skin], axis=0) - paint))
 
     def _head_weight(self, vertices: Floats) -> NDArray[np.float32]:
         """1 on what turns with the head, by the nearest of the default's skin and shirt."""
@@ -172,8 +200,10 @@ class HeadParts:
         share = 1 / np.maximum(away, 1.0)
         return np.asarray((weight[near] * share).sum(1) / share.sum(1), dtype=np.float32)
 
-    def other_parts(self, cut: bool, carried: Carried, motion: PieceMotion) -> tuple[tuple[Part, ...], tuple[Eye, ...]]:
-        """All but the skin: the head's own pieces and what it is lent; and how its eyeballs turn."""
+    def other_parts(
+        self, cut: bool, carried: Carried, motion: PieceMotion
+    ) -> tuple[tuple[Part, ...], tuple[Eye, ...], str]:
+        """All but the skin: the head's own pieces and what it is lent; how its eyeballs turn; and whose is what."""
         own = self.reshaped.face
         parts: list[Part] = []
         eyes: list[Eye] = []
@@ -196,19 +226,21 @@ class HeadParts:
         if kinds & {"upper", "lower", "gums"}:
             lent.pop("teeth_upper", None)
             lent.pop("teeth_lower", None)
-        if "tongue" in kinds or self._tongue_there():
+        in_gums = any(motion.tongue_in(piece) for piece in self.head.pieces if piece.kind == "gums")
+        if "tongue" in kinds or in_gums:
             lent.pop("tongue", None)
         if self.bare_lashes:
             lent["lashes"] = "lashes"
         parts += [own.part(part_name) for part_name in lent]
         parts += self._own_pieces(motion)
-        if "mouth" in self.added and (cut or self._shallow(carried)):
+        hollow = not (cut or self._shallow(carried))
+        if "mouth" in self.added and not hollow:
             parts.append(self._piece_of_skin("mouth", self.space.inside_mouth > 0.3))
         if "eyes" in self.added and self.joined_eyes:
             side = np.where(self.space.rest[:, 0] > 0, "Left", "Right")
             behind = (self.space.socket > 0.2) & np.isin(side, self.joined_eyes)
             parts.append(self._piece_of_skin("lid_backs", behind))
-        return tuple(parts), tuple(eyes)
+        return tuple(parts), tuple(eyes), self._told({part.name for part in parts}, in_gums, hollow)
 
     def _painted(self, piece: Piece) -> bool:
         numbers = self.head.kept[np.unique(self.head.triangles[piece.triangles])]
@@ -246,16 +278,6 @@ class HeadParts:
                     part = replace(part, head_weight=np.ones(len(part.vertices), np.float32))
                 parts.append(part)
         return parts
-
-    def _tongue_there(self) -> bool:
-        """Whether gums of one piece reach where the tongue lies."""
-        gums = [piece.triangles for piece in self.head.pieces if piece.kind == "gums"]
-        if not gums:
-            return False
-        points = self.head.vertices[np.unique(self.head.triangles[np.concatenate(gums)])]
-        tongue = self.reshaped.face.part("tongue").vertices
-        away = cKDTree(points).query(tongue[tongue[:, 2] > np.median(tongue[:, 2])])[0]
-        return bool(np.median(away) < 7.0)
 
     def _shallow(self, carried: Carried) -> bool:
         """Whether the head has no inside of the mouth worth the name."""

@@ -18,6 +18,7 @@ _EYE_NEAR_MM, _EYE_SIZES_MM, _EYE_ROUND = 14.0, (8.0, 26.0), 0.12
 _SHELL = 1.2  # eyeball's radii within which shells, tear lines and caruncles lie
 _LASH = 2.3  # the same of lashes
 _TOOTH, _ROOT, _ROW = 0.45, 0.85, 0.62  # of the mouth's width: a single tooth's length, its height, a row's; at most
+_MANY_TEETH, _SLOPES = 8, tuple(0.04 * k for k in range(-10, 11))  # height over depth
 _GAP_MM = 1.5  # between the middles of upper and lower teeth, at least
 
 
@@ -176,21 +177,30 @@ class _Mouth:
 
 
 def _upper_and_lower(pieces: list[Piece], used: list[Floats], mouth: _Mouth) -> list[Piece]:
-    """Teeth, single or in rows, by a gap in height between their middles."""
+    """Teeth, single or in rows, by a gap in height between their middles; rows of a head that nods slope."""
     teeth = [i for i, piece in enumerate(pieces) if piece.kind == "tooth"]
     if not teeth:
         return pieces
-    height = np.array([(used[i][:, 1].max() + used[i][:, 1].min()) / 2 for i in teeth])
+    middle = np.array([(used[i].max(0) + used[i].min(0)) / 2 for i in teeth]) - mouth.middle
+    slopes = _SLOPES if len(teeth) >= _MANY_TEETH else (0.0,)
+    found = [_border(middle[:, 1] - slope * middle[:, 2], mouth.width) for slope in slopes]
+    best = max(range(len(slopes)), key=lambda each: (round(found[each][0], 3), -abs(slopes[each])))
+    height, border = middle[:, 1] - slopes[best] * middle[:, 2], found[best][1]
+    for i, own in zip(teeth, height, strict=True):
+        pieces[i] = replace(pieces[i], kind="upper" if own > border else "lower")
+    return pieces
+
+
+def _border(height: Floats, width: float) -> tuple[float, float]:
+    """Share of the heights' variance that lies between two rows (Otsu 1979), and the height between these."""
     order = np.sort(height)
-    border = mouth.middle[1]
     below = np.arange(1, len(order))
     total = np.cumsum(order)[:-1]
     apart = (order.sum() - total) / (len(order) - below) - total / below  # of the means above and below each gap
-    near = np.maximum(1 - np.abs((order[1:] + order[:-1]) / 2 - border) / (0.35 * mouth.width), 0)
-    score = below * (len(order) - below) * apart**2 * near * (np.diff(order) > _GAP_MM)  # (Otsu 1979)
-    if score.max(initial=0.0) > 0:
-        widest = int(np.argmax(score))
-        border = (order[widest] + order[widest + 1]) / 2
-    for i, middle in zip(teeth, height, strict=True):
-        pieces[i] = replace(pieces[i], kind="upper" if middle > border else "lower")
-    return pieces
+    near = np.maximum(1 - np.abs((order[1:] + order[:-1]) / 2) / (0.35 * width), 0)
+    score = below * (len(order) - below) * apart**2 * near * (np.diff(order) > _GAP_MM)
+    if not score.max(initial=0.0) > 0:
+        return 0.0, 0.0
+    widest = int(np.argmax(score))
+    share = float(score[widest] / (len(order) ** 2 * max(order.var(), 1e-9)))
+    return share, float(order[widest] + order[widest + 1]) / 2
