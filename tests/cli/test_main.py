@@ -145,7 +145,7 @@ def test_a_request_to_end_leaves_nothing_behind(tmp_path: Path) -> None:
         time.sleep(0.05)
     assert list(tmp_path.iterdir()), "the video was never begun"
     run.send_signal(signal.SIGTERM)
-    _, said = run.communicate(timeout=60)
+    _, said = run.communicate(timeout=300)  # what draws may be compiling, which is not broken off
     assert run.returncode == 130
     assert "stopped" in said
     assert list(tmp_path.iterdir()) == []
@@ -179,3 +179,10 @@ def test_options_that_no_format_has_a_use_for_are_reported() -> None:
     assert [n.message.split(" has")[0] for n in in_animate] == ["--alive off", "--emotion sad happy:0.2"]
     in_say = _unused(argparse.Namespace(voice_emotion=1.0, **asked), ["a.wav"])
     assert [n.message.split(" has")[0] for n in in_say] == ["--alive off"]
+
+
+def test_a_folder_that_was_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["say", "Oh.", "-o", str(tmp_path / "mistpyed" / "deep" / "a.csv")]
+    for told in (1, 0):  # the second time the folder is there
+        assert main(line) == 0
+        assert capsys.readouterr().err.count(f"not there: {tmp_path / 'mistpyed'}") == told

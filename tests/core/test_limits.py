@@ -14,6 +14,8 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.core.limits import LIMITS, check_size, fraction_of, load_array, load_arrays, most, read_bytes, read_member
+from mien.fit.mesh_files import read_mesh
+from mien.formats.sound_files import read_audio
 
 
 def header(shape: str, kind: str = "<f8") -> bytes:
@@ -121,3 +123,11 @@ def test_only_files_are_read(tmp_path: Path) -> None:
         if bad != "/dev/zero" or os.path.exists(bad):  # noqa: PTH110
             with pytest.raises(InputError):
                 read_bytes(bad)
+
+
+@pytest.mark.parametrize("name", ["a.wav", "a.mp3", "a.flac", "a.obj", "a.ply", "a.stl", "a.glb"])
+def test_room_that_was_set_aside_and_never_filled_is_told(name: str, tmp_path: Path) -> None:
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(900_000_000)
+    with pytest.raises(InputError, match="nothing but zeros"):
+        (read_audio if name[2:] in ("wav", "mp3", "flac") else read_mesh)(tmp_path / name)

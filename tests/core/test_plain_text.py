@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mien.core.errors import InputError
-from mien.core.plain_text import decode_text, read_plain_text
+from mien.core.plain_text import decode_text, read_plain_text, text_lines
 
 TEXT = "Hyvää päivää, naïve café.\nZwei Zeilen."
 
@@ -40,3 +40,15 @@ def test_texts_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MIEN_MOST_TEXT", "10")
     with pytest.raises(InputError, match="MIEN_MOST_TEXT"):
         decode_text(b"x" * 11, "a.txt")
+
+
+def test_long_texts_come_line_by_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.obj"
+    path.write_bytes(b"v 1\r\nv 2\rv 3\n\xff")
+    assert list(text_lines(path, "mesh")) == ["v 1", "v 2", "v 3", "\ufffd"]
+    monkeypatch.setenv("MIEN_MOST_ROWS", "3")
+    with pytest.raises(InputError, match="MIEN_MOST_ROWS"):
+        list(text_lines(path, "mesh"))
+    path.write_bytes(b"a" * 2_000_000)
+    with pytest.raises(InputError, match=r"a\.obj:1: a line of more than a million characters"):
+        list(text_lines(path, "mesh"))

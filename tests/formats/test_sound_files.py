@@ -270,3 +270,11 @@ def test_a_header_may_be_wrong_by_a_tenth_not_by_half(tmp_path: Path) -> None:
     (tmp_path / "b.wav").write_bytes(content[: at + held // 2])
     with pytest.raises(InputError, match="cut short"):
         read_audio(tmp_path / "b.wav")
+
+
+def test_no_library_writes_to_the_terminal(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    for name, content in (("a.mp3", b"\x01" * 100_000), ("a.wav", b"ID3\x04" + b"\x01" * 100_000)):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError):
+            read_audio(tmp_path / name)
+    assert capfd.readouterr().err == ""

@@ -16,6 +16,7 @@ import pytest
 from mien.core.errors import InputError
 from mien.formats.textgrid import read_textgrid
 from mien.text.intensity import read_intensity
+from mien.text.languages.reading import read_words
 from mien.text.library_file import parse_library
 from mien.text.normalisation import spoken_words
 from mien.text.script_reading import read_script
@@ -105,3 +106,9 @@ def test_a_speller_of_numbers_does_not_stumble() -> None:
     forms = ("{} km", "{}th", "{}½", "${}.50", "1/{}", "{} 1/2", "{}0s", "{}%", "{}.{}", "chapter {}", "+{}", "{}-{}")
     for form in forms:
         assert len(spoken_words(form.format(long, long)).words) >= 5000
+
+
+def test_more_than_four_hours_of_text_are_refused_at_once() -> None:
+    for language in (None, "fi"):
+        with pytest.raises(InputError, match=r"^the text: 4,000,000 characters .*MIEN_MOST_SPOKEN"):
+            read_words("Oh no. " * 571_428 + "Well", language)

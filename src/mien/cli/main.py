@@ -43,7 +43,7 @@ from mien.cli.stopping import put_off, stop_cleanly
 from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
 from mien.core.compiled import when_compiling
 from mien.core.errors import InputError, MienError, Note
-from mien.core.files import claimed_outputs
+from mien.core.files import claimed_outputs, made_folders
 
 if TYPE_CHECKING:
     from mien.animation.animation import Animation
@@ -108,6 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with claimed_outputs():
             code: int = options.run(options)
         sys.stdout.flush()
+        _tell_of_folders(getattr(options, "quiet", False))
         _tell_of_lost_kernels(getattr(options, "quiet", False))
         return code
     except MienError as problem:
@@ -134,6 +135,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _tell_of_compiling() -> None:
     told = "mien: compiling what draws and poses: about half a minute, once; 'mien warm-up' does it ahead"
     print(told, file=sys.stderr, flush=True)
+
+
+def _tell_of_folders(quiet: bool) -> None:
+    told = [str(folder) for folder in dict.fromkeys(made_folders) if folder.is_dir()]
+    made_folders.clear()
+    if told and not quiet:
+        print(f"mien: note: made for the output, as it was not there: {', '.join(told)}", file=sys.stderr)
 
 
 def _tell_of_lost_kernels(quiet: bool) -> None:

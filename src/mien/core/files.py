@@ -22,13 +22,22 @@ from pathlib import Path
 from mien.core.errors import OutputError
 from mien.core.temporary_folder import users_folder
 
-__all__ = ["check_writable", "claimed_outputs", "folder_until_complete", "held_alone", "replace_when_complete"]
+__all__ = [
+    "check_writable",
+    "claimed_outputs",
+    "folder_until_complete",
+    "held_alone",
+    "made_folders",
+    "replace_when_complete",
+]
 
 _LONGEST_SUFFIX = 32
 """Characters; a longer one is no suffix that any program goes by, and the temporary's name stays short."""
 _MOST_WRITERS = 16
 """Programs that write the same file at once and find a temporary of a known name."""
 _STALE = 3600  # seconds
+made_folders: list[Path] = []
+"""Folders that were made for outputs, the outermost of each: a mistyped path is to be seen."""
 _claims: dict[Path, tuple[Path, int]] | None = None
 """What this command claimed, with the lock files and the descriptors that hold them; None: nothing is claimed."""
 
@@ -146,6 +155,7 @@ def _missing_folders(path: Path) -> list[Path]:
     missing = [folder for folder in reversed(path.parents) if not folder.exists()]
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
+    made_folders.extend(missing[:1])
     return missing
 
 

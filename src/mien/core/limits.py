@@ -14,7 +14,8 @@ import os
 import re
 import struct
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -31,6 +32,7 @@ __all__ = [
     "Limit",
     "array_header",
     "array_of",
+    "check_begun",
     "check_size",
     "file_beside",
     "fraction_of",
@@ -38,6 +40,7 @@ __all__ = [
     "load_array",
     "load_arrays",
     "most",
+    "opened",
     "read_bytes",
     "read_member",
 ]
@@ -62,6 +65,7 @@ LIMITS: dict[str, Limit] = {
     "file": Limit(4 * 2**30, "bytes in one file"),
     "text": Limit(2**26, "bytes of text"),
     "document": Limit(2**29, "bytes of JSON"),
+    "mesh": Limit(2**30, "bytes of a mesh"),
     "unpacked": Limit(2 * 2**30, "bytes when unpacked"),
     "numbers": Limit(100_000_000, "numbers"),
     "pixels": Limit(100_000_000, "pixels"),
@@ -72,6 +76,7 @@ LIMITS: dict[str, Limit] = {
     "keys": Limit(1_000_000, "keys"),
     "levels": Limit(200, "levels, one inside the other"),
     "elements": Limit(1_000_000, "elements"),
+    "spoken": Limit(300_000, "characters to say at once, about four hours"),
     "word": Limit(200, "letters in one word"),
     "name": Limit(10_000, "characters in a name"),
     "stimuli": Limit(1_000_000, "stimuli"),
@@ -80,6 +85,7 @@ LIMITS: dict[str, Limit] = {
 """Every limit by its name; the environment variable ``MIEN_MOST_<NAME>`` sets another."""
 
 _MOST_DIGITS = 18
+_ROOM = 2**20  # bytes
 _NUMBER = re.compile(r"\s*[-+]?(?:\d+(?:/\d+)?|\d*\.?\d+|\d+\.)(?:[eE](?P<power>[-+]?\d+))?\s*", re.ASCII)
 
 
@@ -137,8 +143,22 @@ def read_bytes(path: str | Path, limit: str = "file") -> bytes:
     InputError
         If it is missing, a folder, a device or a pipe, too large, or cannot be read.
     """
+    with opened(path, limit) as file, _told_of(path):
+        content = file.read(int(most(limit)) + 1)
+    check_size(limit, len(content), path)
+    return content
+
+
+def opened(path: str | Path, limit: str = "file") -> IO[bytes]:
+    """Open a file that is a file, and no larger than a limit.
+
+    Raises
+    ------
+    InputError
+        As `read_bytes`.
+    """
     path = Path(path)
-    try:
+    with _told_of(path):
         if path.is_dir():
             raise InputError(f"{path}: expected a file, got a folder")
         if not path.exists():
@@ -146,12 +166,33 @@ def read_bytes(path: str | Path, limit: str = "file") -> bytes:
         if not path.is_file() and not path.is_fifo():
             raise InputError(f"{path}: expected a file, got a device")
         check_size(limit, path.stat().st_size, path)
-        with path.open("rb") as file:
-            content = file.read(int(most(limit)) + 1)
+        return path.open("rb")  # the caller closes it
+
+
+@contextmanager
+def _told_of(path: object) -> Iterator[None]:
+    try:
+        yield
     except (OSError, ValueError) as problem:  # ValueError: a zero byte in the name
         raise InputError(f"{str(path)[:200]}: cannot be read ({getattr(problem, 'strerror', problem)})") from problem
-    check_size(limit, len(content), path)
-    return content
+
+
+def check_begun(path: str | Path) -> None:
+    """Refuse a file that begins with a million zeros: room that a download or a copy set aside and never filled.
+
+    Decoders look through all of it for a beginning, for minutes.
+
+    Raises
+    ------
+    InputError
+        If it does, or cannot be read.
+    """
+    if not Path(path).is_file():  # a pipe is read once; what is missing is told by who reads it
+        return
+    with open_quietly(path) as file:
+        begin = file.read(_ROOM)
+    if len(begin) == _ROOM and not begin.strip(b"\0"):
+        raise InputError(f"{path}: nothing but zeros at its beginning: did its download or copy come to an end?")
 
 
 def fraction_of(value: float | str | Fraction, where: str) -> Fraction:

@@ -6,15 +6,18 @@ Every text that a command reads comes through here, so that all of them take the
 from __future__ import annotations
 
 import codecs
+import io
+import itertools
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from mien.core.errors import InputError, Note
-from mien.core.limits import check_size, read_bytes
+from mien.core.limits import check_size, most, opened, read_bytes
 
-__all__ = ["decode_text", "first_lines", "parsed_json", "read_plain_text"]
+__all__ = ["decode_text", "first_lines", "parsed_json", "read_plain_text", "text_lines"]
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -26,6 +29,7 @@ _MARKS = (
 _NOT_TEXT = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f\x81\x8d\x8f\x90\x9d]")
 _SAMPLE = 4096
 _LONGEST_LINE = 65536
+_LONGEST_ROW = 2**20  # characters
 
 
 def read_plain_text(path: str | Path, what: str = "text") -> tuple[str, tuple[Note, ...]]:
@@ -56,6 +60,33 @@ def first_lines(path: Path) -> list[str]:
         return [line.strip() for line in decode_text(whole, path)[0].split("\n")]
     except InputError:
         return []
+
+
+def text_lines(path: str | Path, limit: str) -> Iterator[str]:
+    """The lines of a file one by one, without their ends: a mesh of a gigabyte is never in memory as text.
+
+    Parameters
+    ----------
+    path : path-like
+    limit : str
+        The limit of its size, as `read_bytes` takes it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is too large, has too many lines or one of more than a million characters.
+    """
+    rows = most("rows")
+    with opened(path, limit) as file, io.TextIOWrapper(file, encoding="utf-8", errors="replace") as text:
+        for number in itertools.count(1):
+            line = text.readline(_LONGEST_ROW)
+            if not line:
+                return
+            if len(line) == _LONGEST_ROW:
+                raise InputError(f"{path}:{number}: a line of more than a million characters: is it of another kind?")
+            if number > rows:
+                check_size("rows", number, path)
+            yield line.removesuffix("\n")
 
 
 def decode_text(content: bytes, where: object, what: str = "text") -> tuple[str, tuple[Note, ...]]:
@@ -110,8 +141,14 @@ def _wide_without_mark(content: bytes) -> str | None:
     return "utf-16-be" if even > 0.6 and odd < 0.1 else None
 
 
-def parsed_json(text: str | bytes) -> Any:
+def parsed_json(text: str | bytes, **how: Any) -> Any:
     """What a JSON text says.
+
+    Parameters
+    ----------
+    text : str or bytes
+    **how
+        As `json.loads` takes it.
 
     Raises
     ------
@@ -128,6 +165,6 @@ def parsed_json(text: str | bytes) -> Any:
     ValueError: nested too deeply
     """
     try:
-        return json.loads(text)
+        return json.loads(text, **how)
     except RecursionError:
         raise ValueError("nested too deeply") from None

@@ -7,8 +7,10 @@ those of the file (counted from 0), which is what tree configurations and exampl
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,13 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
-from mien.core.limits import check_size, read_bytes
+from mien.core.limits import check_begun
+from mien.core.plain_text import text_lines
 from mien.face.model import Face, Material, Part
 
-__all__ = ["MESH", "Mesh", "face_of_mesh", "read_obj", "write_obj"]
+__all__ = ["MESH", "Mesh", "face_of_mesh", "obj_rows", "read_obj", "write_obj"]
 
 MESH = "mesh"
 """Name of the one part of a face made from an OBJ file."""
+_LONGEST_JOINED = 1_000_000  # characters
 _PASSED_OVER = {"o", "g", "s", "usemtl", "mtllib", "vn", "vp", "l", "p", "cstype", "deg", "curv", "surf", "end", "parm"}
 
 
@@ -59,14 +63,11 @@ def read_obj(path: str | Path) -> Mesh:
         If the file is missing or no text, has no vertices, or a line cannot be understood (file and line are named).
     """
     path = Path(path)
-    text = read_bytes(path).decode("utf-8", errors="replace")
-    check_size("rows", text.count("\n"), path)
     points: list[list[float]] = []
     places: list[list[float]] = []
     triangles: list[tuple[int, int, int]] = []
     place_of: dict[int, int] = {}
-    for number, line in enumerate(text.replace("\\\n", " ").splitlines(), 1):
-        kind, *fields = line.split("#", 1)[0].split() or [""]
+    for number, kind, *fields in obj_rows(path):
         try:
             if kind == "v":
                 points.append(_numbers(fields, 3, 7))
@@ -81,13 +82,33 @@ def read_obj(path: str | Path) -> Mesh:
                         place_of.setdefault(vertex, place)
                 own = [vertex for vertex, _ in corners]
                 triangles += [(own[0], own[i], own[i + 1]) for i in range(1, len(own) - 1)]
-            elif kind and kind not in _PASSED_OVER:
+            elif kind not in _PASSED_OVER:
                 raise ValueError(f"{kind!r} starts no line of an OBJ file")
         except ValueError as problem:
             raise InputError(f"{path}:{number}: {problem}") from problem
     if not points:
         raise InputError(f"{path} holds no vertices: is it an OBJ file?")
     return _mesh(points, places, triangles, place_of)
+
+
+def obj_rows(path: Path) -> Iterator[tuple[Any, ...]]:
+    """Number, kind and fields of each line of an OBJ or MTL file that holds any; a backslash at its end joins two.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is larger than the limits ``mesh`` and ``rows``.
+    """
+    check_begun(path)
+    joined = ""
+    for number, line in enumerate(text_lines(path, "mesh"), 1):
+        joined += line.partition("#")[0]
+        if joined.endswith("\\") and len(joined) < _LONGEST_JOINED:
+            joined = joined[:-1] + " "
+            continue
+        if row := joined.split():
+            yield (number, *row)
+        joined = ""
 
 
 def _mesh(

@@ -16,7 +16,6 @@ or the 68 points of iBUG's scheme (Sagonas et al. 2013) in their order: a ``.pts
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,7 +29,7 @@ from numpy.typing import NDArray
 from mien.core.assets import asset
 from mien.core.border import guarded
 from mien.core.errors import InputError, unknown_name
-from mien.core.plain_text import read_plain_text
+from mien.core.plain_text import parsed_json, read_plain_text
 from mien.core.table_rows import parsed_table
 
 __all__ = ["Landmark", "known_landmarks", "needed_landmarks", "other_side", "places_of_landmarks", "read_landmarks"]
@@ -125,7 +124,7 @@ def parsed_landmarks(text: str, kind: str, where: str, width: int) -> dict[str, 
     if kind == "CSV":
         return _from_csv(text, where, width)
     try:
-        data = json.loads(text, object_pairs_hook=_once) if kind == "JSON" else tomllib.loads(text)
+        data = parsed_json(text, object_pairs_hook=_once) if kind == "JSON" else tomllib.loads(text)
     except (ValueError, RecursionError) as problem:
         raise InputError(f"{where}: no {kind} ({problem})") from problem
     if isinstance(data, dict) and isinstance(data.get("landmarks"), dict):

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from mien.core.border import guarded
 from mien.core.errors import InputError
-from mien.core.limits import file_beside, read_bytes
+from mien.core.limits import file_beside
 from mien.core.pictures import opened_picture
 from mien.face.foreign.gltf_document import is_gltf
-from mien.face.obj import read_obj
+from mien.face.obj import obj_rows, read_obj
 from mien.fit.head_parts import GivenMesh
 from mien.fit.mesh_glb import read_glb_mesh
 from mien.fit.mesh_stl import read_stl
@@ -93,9 +93,7 @@ def _read_obj(path: Path, texture: str | Path | None) -> tuple[GivenMesh, str | 
 
 def _lines(path: Path, *kinds: str) -> list[list[str]]:
     """The fields of an OBJ or MTL file's lines of some kinds."""
-    text = read_bytes(path).decode("utf-8", errors="replace").replace("\\\n", " ")
-    rows = (line.split("#", 1)[0].split() for line in text.splitlines())
-    return [row for row in rows if row and row[0] in kinds]
+    return [row for _, *row in obj_rows(path) if row[0] in kinds]
 
 
 def _picture_of_material(path: Path) -> Path | None:

@@ -23,6 +23,7 @@ from mien.core.border import guarded
 from mien.core.errors import InputError, Note, OutputError
 from mien.core.files import replace_when_complete
 from mien.core.limits import fraction_of, read_bytes
+from mien.core.plain_text import parsed_json
 from mien.core.timeline import MAX_FPS, FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import Utterance
@@ -71,10 +72,10 @@ def read_native(path: str | Path) -> Animation:
     path = Path(path)
     content = read_bytes(path, "document")
     try:
-        document = json.loads(content.decode("utf-8-sig"), parse_constant=_refuse_constant)
+        document = parsed_json(content.decode("utf-8-sig"), parse_constant=_refuse_constant)
     except UnicodeDecodeError as problem:
         raise InputError(f"{path} is not a {FORMAT} file: it is not text in UTF-8") from problem
-    except (ValueError, RecursionError) as problem:
+    except ValueError as problem:
         raise InputError(f"{path} is not a whole {FORMAT} file: {problem}; was it cut short?") from problem
     return _animation(_Node(document, path, ""))
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
-from mien.core.limits import check_size, read_bytes
+from mien.core.limits import check_begun, check_size, read_bytes
 
 __all__ = ["read_ply_rows"]
 
@@ -34,7 +34,8 @@ def read_ply_rows(path: Path) -> dict[str, Any]:
     InputError
         If it is no PLY file, or damaged.
     """
-    data = read_bytes(path)
+    check_begun(path)
+    data = read_bytes(path, "mesh")
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
         raise InputError(f"{path} is no PLY file: it does not start with 'ply' and a header")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mien.core.audio import MAX_RATE, MIN_RATE, Audio
 from mien.core.border import reading
 from mien.core.errors import InputError, Note
-from mien.core.limits import check_size, read_bytes
+from mien.core.limits import check_begun, check_size, read_bytes
 from mien.formats.media import open_media
 
 if TYPE_CHECKING:
@@ -207,6 +207,7 @@ def _existing(path: Path) -> Path:
         raise InputError(f"{path}: cannot be read ({problem.strerror})") from problem
     if size == 0:
         raise InputError(f"{path}: the file is empty")
+    check_begun(path)
     return path
 
 
@@ -215,6 +216,9 @@ def _blocks(path: Path, notes: list[Note]) -> Iterator[tuple[Samples, int]]:
     import soundfile
 
     checked = _checked_wav(path, notes)
+    if path.suffix.lower() == ".mp3" or _begins_as(path, b"ID3"):  # libsndfile's reader of those writes to the terminal
+        yield from _blocks_of_ffmpeg(path, notes)
+        return
     try:
         with soundfile.SoundFile(str(checked) if isinstance(checked, Path) else checked) as sound:
             if sound.format != "MP3":
@@ -228,7 +232,7 @@ def _blocks(path: Path, notes: list[Note]) -> Iterator[tuple[Samples, int]]:
 
 def _begins_as(path: Path, *marks: bytes) -> bool:
     with path.open("rb") as file:
-        return file.read(4) in marks
+        return file.read(4).startswith(marks)
 
 
 def _blocks_of_libsndfile(sound: Any, path: Path) -> Iterator[tuple[Samples, int]]:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import replace
 
 from mien.core.errors import InputError, Note
-from mien.core.limits import check_size
+from mien.core.limits import check_size, most
 from mien.text.heteronyms import with_heteronyms
 from mien.text.pronunciation import Pronunciation, pronounce
 from mien.text.spoken_numbers import english_table
@@ -49,9 +50,13 @@ def spoken_words(text: str) -> SpokenText:
     """
     if not text.strip():
         raise InputError("a text to speak is empty: give at least one word")
+    check_size("spoken", len(text), "the text")
     clean, origin, dropped = _clean(text)
     clean, notes = without_directions(clean)
-    words = [replace(word, start=origin[word.start], end=origin[word.end - 1] + 1) for word in _scan(clean)]
+    words = [
+        SpokenWord(word.text, origin[word.start], origin[word.end - 1] + 1, word.pause, word.phones)
+        for word in _scan(clean)
+    ]
     if not words:
         raise InputError(f"nothing in the text {_shorten(text)!r} can be spoken: give at least one word or number")
     if dropped:
@@ -78,13 +83,17 @@ _SAME_LENGTH = str.maketrans(
 )
 
 
-def _clean(text: str) -> tuple[str, list[int], list[str]]:
+def _clean(text: str) -> tuple[str, Sequence[int], list[str]]:
     """A text in plain letters, known signs and blanks; the written character of each; what was dropped."""
+    plain = text.translate(_SAME_LENGTH)
+    read_as = {char: _cleaned(char) for char in set(plain)}
+    if all(char == read for char, read in read_as.items()):
+        return plain, range(len(plain)), []
     out: list[str] = []
     origin: list[int] = []
     dropped: list[str] = []
-    for place, char in enumerate(text.translate(_SAME_LENGTH)):
-        read = _cleaned(char)
+    for place, char in enumerate(plain):
+        read = read_as[char]
         if read is None:
             raise _wrong_script(text, place)
         if read == " " and unicodedata.category(char)[0] == "S":
@@ -145,6 +154,7 @@ _LAST = re.compile(r"[ \"')\]]*\Z")
 def _scan(text: str) -> list[SpokenWord]:
     words: list[SpokenWord] = []
     shouting = _is_shouting(text)
+    longest = most("word")
     place = 0
     while place < len(text):
         match = TEXT_PATTERN.match(text, place)
@@ -157,11 +167,10 @@ def _scan(text: str) -> list[SpokenWord]:
             continue
         name = match.lastgroup or ""
         for start, end, spoken in READERS[name](match, text, shouting):
-            new = [SpokenWord(word, start, end) for word in spoken.split()]
-            check_size(
-                "word", max((len(word.text) for word in new), default=0), f"the word {text[start : start + 20]!r}"
-            )
-            words += new
+            for word in spoken.split():
+                if len(word) > longest:
+                    check_size("word", len(word), f"the word {text[start : start + 20]!r}")
+                words.append(SpokenWord(word, start, end))
         place = match.end()
         if name == "abbreviation" and _LAST.match(text, place):
             _note_pause(words, ".")

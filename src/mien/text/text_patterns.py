@@ -22,6 +22,7 @@ _NUMBER = r"(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?|\.\d+"
 _MONTHS = "january|february|march|april|may|june|july|august|september|october|november|december"
 _SHORT_MONTHS = r"(?:jan|feb|mar|apr|jun|jul|aug|sept?|oct|nov|dec)\b\.?"
 
+_NOT_SPOKEN = re.compile("[^a-z']+")
 _NAME_AFTER = re.compile(r"\s{1,9}[A-Z][a-z]")
 _WORD_AND_BLANKS = 60
 _LONG_AMOUNT = 15  # digits
@@ -284,9 +285,11 @@ def _sign(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
 
 def _fold(word: str) -> str:
     """Plain lower-case letters a-z and apostrophes of a word with accents."""
-    table = english_table()["folded_letters"]
-    plain = unicodedata.normalize("NFD", "".join(table.get(char, char) for char in word)).lower()
-    return "".join(char for char in plain if "a" <= char <= "z" or char == "'")
+    plain = word.lower()
+    if not plain.isascii():
+        table = english_table()["folded_letters"]
+        plain = unicodedata.normalize("NFD", "".join(table.get(char, char) for char in word)).lower()
+    return _NOT_SPOKEN.sub("", plain)
 
 
 def _any_of(names: list[str]) -> str:

@@ -13,7 +13,7 @@ from mien.animation.edits.layer import Anchor, BorderEdit, ChannelEdit, Edit, Ed
 from mien.core.border import guarded
 from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
-from mien.core.plain_text import read_plain_text
+from mien.core.plain_text import parsed_json, read_plain_text
 from mien.text.key_tangents import TANGENTS
 
 __all__ = ["FORMAT", "VERSION", "layer_of", "plain_layer", "plain_line", "read_layer", "write_layer"]
@@ -39,8 +39,8 @@ def read_layer(path: str | Path) -> EditLayer:
     """
     text, _ = read_plain_text(path, f"a {FORMAT} file")
     try:
-        document = json.loads(text, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as problem:
+        document = parsed_json(text, parse_constant=_refuse_constant)
+    except ValueError as problem:
         raise InputError(f"{path} is not a {FORMAT} file: {problem}") from problem
     return layer_of(document, str(path))
 

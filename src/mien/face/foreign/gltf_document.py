@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-import json
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +16,8 @@ from urllib.parse import unquote
 
 from mien.core.border import guarded
 from mien.core.errors import InputError
-from mien.core.limits import file_beside, read_bytes
+from mien.core.limits import check_begun, file_beside, read_bytes
+from mien.core.plain_text import parsed_json
 
 __all__ = ["BIN", "JSON", "SUFFIXES", "GltfDocument", "is_gltf", "read_gltf"]
 
@@ -156,7 +156,8 @@ def read_gltf(path: str | Path) -> GltfDocument:
         If it cannot be read, is cut off, is not glTF 2, or its nodes and meshes do not hold together.
     """
     path = Path(path)
-    content = read_bytes(path)
+    check_begun(path)
+    content = read_bytes(path, "mesh")
     if path.suffix.lower() == ".fbx":
         from mien.face.foreign.blender_bridge import converted
 
@@ -199,8 +200,8 @@ def _binary(path: Path, content: bytes) -> GltfDocument:
 
 def _parsed(path: Path, text: bytes) -> dict[str, Any]:
     try:
-        document = json.loads(text.rstrip(b"\0 ").decode("utf-8-sig"))
-    except (ValueError, RecursionError) as problem:
+        document = parsed_json(text.rstrip(b"\0 ").decode("utf-8-sig"))
+    except ValueError as problem:
         raise InputError(f"{path}: its JSON cannot be read: {problem}") from problem
     if not isinstance(document, dict):
         raise InputError(f"{path}: expected a JSON object, got {type(document).__name__}")

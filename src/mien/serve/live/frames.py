@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.core.plain_text import parsed_json
 
 __all__ = ["END", "FORMAT", "VERSION", "Frame", "Greeting", "decode_frame", "encode_frame"]
 
@@ -98,11 +99,11 @@ class Greeting:
         ('jawOpen',)
         """
         try:
-            content = json.loads(message)
+            content = parsed_json(message)
             if (content["format"], content["version"]) != (FORMAT, VERSION):
                 raise InputError(f"expected {FORMAT} {VERSION}, got {content['format']} {content['version']}")
             return cls(_names(content["channels"]), float(content["fps"]), content.get("facts", {}))
-        except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as problem:
+        except (ValueError, KeyError, TypeError, OverflowError) as problem:
             raise InputError(f"expected the greeting of a mien stream, got {message[:40]!r} ({problem})") from problem
 
 

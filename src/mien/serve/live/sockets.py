@@ -112,9 +112,9 @@ async def websocket_stream(
             write_limit=_SEND_BUFFER,
             compression=None,
             open_timeout=PATIENCE,
-            close_timeout=1,
-            ping_interval=PATIENCE / 5,
-            ping_timeout=PATIENCE * 3 / 5,
+            ping_interval=PATIENCE / 10,  # a stalled client is asked, given up and cut off within the patience
+            ping_timeout=PATIENCE / 2,
+            close_timeout=PATIENCE / 10,
         )
     except OSError as problem:
         raise OutputError(f"cannot listen on {access.host}:{access.port}: {problem.strerror or problem}") from problem

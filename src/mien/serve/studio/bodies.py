@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from typing import Any
 
 from aiohttp import BodyPartReader, web
 
 from mien.core.errors import InputError
+from mien.core.plain_text import parsed_json
 from mien.serve.studio.requests import FieldError
 from mien.serve.studio.settings import Limits
 
@@ -76,8 +76,8 @@ def parsed(content: bytes) -> dict[str, Any]:
     mien.core.errors.InputError: expected a JSON object: NaN is not JSON
     """
     try:
-        value = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant, parse_float=_finite)
-    except (ValueError, RecursionError) as problem:
+        value = parsed_json(content.decode("utf-8"), parse_constant=_refuse_constant, parse_float=_finite)
+    except ValueError as problem:
         raise InputError(f"expected a JSON object: {problem}") from problem
     if not isinstance(value, dict):
         raise InputError(f"expected a JSON object, got {type(value).__name__}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from mien.core.limits import check_size
 from mien.text.languages.espeak_reader import read_with_espeak
 from mien.text.languages.language import Language, find_language
 from mien.text.languages.letter_rules import read_letters
@@ -23,6 +24,7 @@ def read_in(language: Language, text: str) -> SpokenText:
     MissingPartError
         If the language is read by eSpeak NG and it is not installed.
     """
+    check_size("spoken", len(text), "the text")
     return read_letters(text, language) if language.reader == "letters" else read_with_espeak(text, language)
 
 
