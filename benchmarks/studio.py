@@ -99,12 +99,11 @@ class Studio:
         return held
 
     def done(self, answer: bytes) -> dict[str, Any]:
-        """What a job made, asked for as often as the page asks."""
+        """What a job made, asked for as the page asks."""
         while True:
-            told: dict[str, Any] = json.loads(self.ask("GET", f"/api/jobs/{json.loads(answer)['job']}"))
+            told: dict[str, Any] = json.loads(self.ask("GET", f"/api/jobs/{json.loads(answer)['job']}?wait=4"))
             if told["state"] not in ("queued", "running"):
                 return told
-            time.sleep(0.02)
 
     def take(self, **asked: Any) -> str:
         return str(self.done(self.ask("POST", "/api/takes", asked))["take"])

@@ -10,6 +10,7 @@ export class Emotions {
   private readonly grid = make('div', { class: 'faces', role: 'group', 'aria-label': 'Emotion' });
   private readonly strength = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.7, id: 'strength', 'aria-label': 'Strength of the emotion' });
   private readonly told = make('output', { for: 'strength' }, '70 %');
+  private readonly follows = make('p', { class: 'help', hidden: true }, 'The voice follows when you let go.');
   private readonly buttons = new Map<string, HTMLButtonElement>();
   private drawn = '';
   chosen = '';
@@ -17,14 +18,15 @@ export class Emotions {
   /** @param feel performs the line in an emotion (`''`: none) of a strength */
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly back: () => void, private readonly feel: (name: string, strength: number) => void) {
     const row = make('div', { class: 'strength' }, make('span', {}, 'Strength'), this.strength, this.told);
-    this.element.append(this.grid, row);
+    this.element.append(this.grid, row, this.follows);
     this.add('', 'neutral');
     for (const name of session.about.emotions) if (name !== 'neutral') this.add(name, name);
     this.strength.addEventListener('input', () => {
       this.tell();
+      this.follows.hidden = session.take === undefined || session.take.from_sound === true;
       if (this.chosen !== '' && this.chosen !== 'auto') session.showFeeling(this.chosen, this.amount);
     });
-    this.strength.addEventListener('change', () => { if (this.chosen !== '' && this.chosen !== 'auto') this.feel(this.chosen, this.amount); });
+    this.strength.addEventListener('change', () => { this.follows.hidden = true; if (this.chosen !== '' && this.chosen !== 'auto') this.feel(this.chosen, this.amount); });
     this.set('', 0.7);
   }
 

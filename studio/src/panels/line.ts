@@ -10,6 +10,7 @@ import * as api from '../api';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
 const AHEAD_MS = 400; // after the last key
+const ENDED_MS = 50; // after a mark that ends a sentence
 const DROP = 'or drop a sound file anywhere';
 const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'voice_emotion', 'seed', 'fps'];
 const MODELS: Record<string, string> = {
@@ -82,7 +83,7 @@ export class LinePanel {
       this.changed();
       this.manner.look(this.text.value);
       clearTimeout(this.writing);
-      this.writing = window.setTimeout(() => this.ahead(), AHEAD_MS);
+      this.writing = window.setTimeout(() => this.ahead(), /[.!?…。！？]["'”’)]*\s*$/.test(this.text.value) ? ENDED_MS : AHEAD_MS);
     });
     this.prosody.addEventListener('change', () => void this.again());
     this.session.on('take', ({ take, fresh }) => { if (fresh && take.take !== 'beginning') this.showRequest(); });
@@ -134,7 +135,7 @@ export class LinePanel {
     this.language.value = request.language ?? '';
     this.performer.value = request.performer ?? 'default';
     this.model.value = request.speech_model ?? '';
-    this.manner.set(request.effort ?? 'auto', request.voice_emotion ?? 1, this.text.value);
+    this.manner.set(request.effort ?? '', request.voice_emotion ?? 1, this.text.value);
     this.prosody.value = String(request.prosody ?? 0.5);
     this.seed.value = String(request.seed ?? 0);
     this.fps.value = String(Number(request.fps ?? 60));

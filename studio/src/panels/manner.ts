@@ -21,15 +21,15 @@ export class Manner {
   private readonly effortTold = make('output', { for: 'field-effort' });
   private readonly voice = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1, id: 'field-voice_emotion', 'aria-describedby': 'fault-voice_emotion' });
   private readonly voiceTold = make('output', { for: 'field-voice_emotion' });
+  private readonly follows = make('p', { class: 'help', hidden: true }, 'The line is spoken so and played when you let go.');
   private readonly efforts: HTMLButtonElement[];
   private readonly eyes: HTMLButtonElement[];
   private was = 1; // the effort that is performed
-  private auto = true;
+  private asked: '' | 'auto' | 'hand' = ''; // who sets the effort: the emotion or else the voice, the voice whatever is felt, the slider
 
   /** @param changed performs the line as the controls have it; `hear`: one wants to hear it too */
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly back: () => void, private readonly gaze: (target: string) => void, private readonly changed: (hear: boolean) => void) {
-    const auto = button('by itself', () => { this.auto = true; this.effort.value = '1'; this.tell(); this.changed(false); }, { class: 'small', 'data-effort': 'auto', title: 'Effort as the recording or the emotion has it' });
-    this.efforts = [auto, ...EFFORTS.map(([label, value]) => this.preset(label, value))];
+    this.efforts = [this.byItself('', 'by itself', 'Effort as the emotion has it, or else the recording'), this.byItself('auto', 'as the voice', 'Effort as it is heard in the recording, whatever is felt'), ...EFFORTS.map(([label, value]) => this.preset(label, value))];
     this.eyes = PAD.map(([target, sign, what]) => this.direction(target, sign, what));
     const own = button('Own glances', () => this.gaze(''), { class: 'small', 'data-gaze': '', title: 'The eyes move by themselves' });
     this.eyes.push(own);
@@ -39,16 +39,20 @@ export class Manner {
       make('div', { class: 'strength', 'data-field': 'effort' }, make('label', { for: 'field-effort' }, 'How hard'), this.effort, this.effortTold), fault('effort'),
       make('h3', { id: 'eyes-title' }, 'Eyes'), make('div', { class: 'eyes' }, make('div', { class: 'pad', role: 'group', 'aria-labelledby': 'eyes-title' }, ...this.eyes.slice(0, -1)), make('div', {}, own, make('p', { class: 'help' }, 'For the whole line. Inside it: the tag <gaze target="left"/>.'))),
       make('h3', {}, 'Emotion in the voice'),
-      make('div', { class: 'strength', 'data-field': 'voice_emotion' }, make('label', { for: 'field-voice_emotion' }, 'How much'), this.voice, this.voiceTold), fault('voice_emotion'));
-    this.effort.addEventListener('input', () => { this.auto = false; this.tell(); session.showEffort(this.was, Number(this.effort.value)); });
+      make('div', { class: 'strength', 'data-field': 'voice_emotion' }, make('label', { for: 'field-voice_emotion' }, 'How much'), this.voice, this.voiceTold), this.follows, fault('voice_emotion'));
+    this.effort.addEventListener('input', () => { this.asked = 'hand'; this.tell(); session.showEffort(this.was, Number(this.effort.value)); });
     this.effort.addEventListener('change', () => this.changed(false));
-    this.voice.addEventListener('input', () => this.tell());
-    this.voice.addEventListener('change', () => this.changed(true));
+    this.voice.addEventListener('input', () => { this.tell(); this.follows.hidden = session.take === undefined; });
+    this.voice.addEventListener('change', () => { this.follows.hidden = true; this.changed(true); });
     this.tell();
   }
 
+  private byItself(asked: '' | 'auto', label: string, title: string): HTMLButtonElement {
+    return button(label, () => { this.asked = asked; this.effort.value = '1'; this.tell(); this.changed(false); }, { class: 'small', 'data-effort': asked, title });
+  }
+
   private preset(label: string, value: number): HTMLButtonElement {
-    const press = button(label, () => { this.auto = false; this.effort.value = String(value); this.tell(); this.session.showEffort(this.was, value); this.changed(false); }, { class: 'small', 'data-effort': value, title: `Effort ${value}` });
+    const press = button(label, () => { this.asked = 'hand'; this.effort.value = String(value); this.tell(); this.session.showEffort(this.was, value); this.changed(false); }, { class: 'small', 'data-effort': value, title: `Effort ${value}` });
     this.hover(press, () => this.session.showEffort(this.was, value));
     return press;
   }
@@ -71,13 +75,13 @@ export class Manner {
 
   /** As it is sent. */
   get request(): { effort: string; voice_emotion: number } {
-    return { effort: this.auto ? 'auto' : this.effort.value, voice_emotion: Number(this.voice.value) };
+    return { effort: this.asked === 'hand' ? this.effort.value : this.asked, voice_emotion: Number(this.voice.value) };
   }
 
   /** Shows what a take was asked for, without performing it. */
   set(effort: string, voice: number, text: string): void {
-    this.auto = !/^[\d.]+$/.test(effort);
-    this.was = this.auto ? 1 : Number(effort);
+    this.asked = /^[\d.]+$/.test(effort) ? 'hand' : effort === 'auto' ? 'auto' : '';
+    this.was = this.asked === 'hand' ? Number(effort) : 1;
     this.effort.value = String(this.was);
     this.voice.value = String(voice);
     this.look(text);
@@ -91,11 +95,19 @@ export class Manner {
   }
 
   /** A recording has its own voice. */
-  withRecording(there: boolean): void { this.voice.disabled = there; }
+  withRecording(there: boolean): void {
+    this.voice.disabled = there;
+    if (!there && this.asked === 'auto') this.asked = '';
+    for (const press of this.efforts) if (press.dataset['effort'] === 'auto') press.hidden = !there;
+    this.tell();
+  }
 
   private tell(): void {
-    this.effortTold.textContent = this.auto ? 'by itself' : Number(this.effort.value).toFixed(2);
+    this.effortTold.textContent = this.asked === '' ? 'by itself' : this.asked === 'auto' ? 'voice' : Number(this.effort.value).toFixed(2);
     this.voiceTold.textContent = `${Math.round(Number(this.voice.value) * 100)} %`;
-    for (const press of this.efforts) press.setAttribute('aria-pressed', String(this.auto ? press.dataset['effort'] === 'auto' : Number(press.dataset['effort']) === Number(this.effort.value)));
+    for (const press of this.efforts) {
+      const { effort } = press.dataset;
+      press.setAttribute('aria-pressed', String(this.asked === 'hand' ? effort !== '' && Number(effort) === Number(this.effort.value) : effort === this.asked));
+    }
   }
 }

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from mien.core.errors import InputError
-from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, record_of, sweep
+from mien.serve.studio.journal import Journal, Record, Step, folder_to_keep, record_of, step_of, sweep
 from mien.serve.studio.requests import TakeRequest
 from mien.serve.studio.settings import Limits
 from tests.serve.studio.client import Client, studio
@@ -125,6 +125,14 @@ def test_a_number_beyond_all_bounds_is_a_fault_that_is_told(tmp_path: Path) -> N
     assert "abcdefgh.jsonl" in Journal(tmp_path, LIMITS).faults[0]
     with pytest.raises(InputError, match="no take of mien's studio"):
         record_of({"name": "a", "made": 1, "steps": [], "at": float("inf")}, LIMITS)
+
+
+def test_an_effort_that_was_read_from_a_sound_goes_with_it() -> None:
+    heard = TakeRequest.of({"text": "a", "effort": "auto"}, LIMITS, with_sound=True)
+    assert heard.changed({"fps": 30}, LIMITS, with_sound=True).effort == "auto"
+    assert heard.changed({"fps": 30}, LIMITS).effort == ""
+    told = {"request": {"text": "a", "effort": "auto"}, "layer": channel(0.4), "sound": None}  # of an earlier version
+    assert step_of(told, LIMITS).request.effort == ""
 
 
 def test_steps_are_bounded() -> None:

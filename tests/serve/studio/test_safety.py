@@ -157,6 +157,7 @@ def test_a_long_sound_in_a_small_file_is_refused_before_it_is_unpacked(client: C
         ({"text": "a", "prosody": 2}, "prosody"),
         ({"text": "a", "effort": 3}, "effort"),
         ({"text": "a", "effort": "curve.csv"}, "effort"),
+        ({"text": "a", "effort": "auto"}, "effort"),
         ({"text": "a", "speech_model": "x"}, "speech_model"),
         ({"text": "a", "song": True}, "song"),
         ({"text": "a", "commands": "/tmp"}, "commands"),

@@ -284,7 +284,10 @@ def step_of(told: Mapping[str, Any], limits: Limits) -> Step:
     sound = told.get("sound")
     if sound is not None and not isinstance(sound, str):
         raise FieldError("sound", "expected the digest of a sound")
-    request = TakeRequest.of(told["request"], limits, with_sound=sound is not None)
+    asked = told["request"]
+    if sound is None and asked.get("effort") == "auto":  # the default of earlier versions
+        asked = {**asked, "effort": ""}
+    request = TakeRequest.of(asked, limits, with_sound=sound is not None)
     return Step(request, layer_of(told["layer"]), sound)
 
 

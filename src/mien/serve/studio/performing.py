@@ -21,7 +21,7 @@ from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.pipeline.edited_performance import with_edited_channels
 from mien.pipeline.inputs import spoken_recording, spoken_text
-from mien.pipeline.options import prepared, score_with_voice, with_heard_effort
+from mien.pipeline.options import is_auto, prepared, score_with_voice, with_heard_effort
 from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
 from mien.serve.studio.given_speech import as_corrected
@@ -62,16 +62,16 @@ class Performing:
     ) -> Take:
         """Perform; of a long text the beginning can be heard and seen while the rest is made.
 
-        The voice speaks on meanwhile, so that what it has said need only be performed. ``show`` keeps a beginning and
-        gives its id.
+        As soon as that is there, and not before, the voice speaks on, so that what it has said need only be performed.
+        ``show`` keeps a beginning and gives its id.
         """
         beginnings = beginnings_of(request.text) if source is None else ()
-        if beginnings:
-            Thread(target=self._speak_on, args=(request, job), name="studio-voice", daemon=True).start()
-        for beginning in beginnings:
+        for number, beginning in enumerate(beginnings):
             with contextlib.suppress(InputError):  # what is wrong with the text is told of the whole
                 first = self.perform(replace(request, text=beginning), None, Part(job))
                 job.shows(show(first))
+            if number == 0:
+                Thread(target=self._speak_on, args=(request, job), name="studio-voice", daemon=True).start()
         return self.perform(request, source, job, layer)
 
     def _speak_on(self, request: TakeRequest, job: Job) -> None:
@@ -87,7 +87,7 @@ class Performing:
         emotions = [one for one in request.emotion if one != "auto"]
         try:
             _, score, rate = prepared(
-                performer, emotions, request.fps, request.seed, request.prosody, effort=request.effort
+                performer, emotions, request.fps, request.seed, request.prosody, effort=request.effort or None
             )
         except InputError as problem:  # all else has been checked
             raise FieldError("emotion", str(problem)) from problem
@@ -109,7 +109,7 @@ class Performing:
             performer.expression.check(score)
             spoken = replace(spoken, utterance=spoken.utterance.with_notes(note))
         if source is not None:
-            score, spoken = with_heard_effort(score, spoken)
+            score, spoken = with_heard_effort(score, spoken, is_auto(request.effort))
         job.at("motion", 0.6)
         if request.times is not None:
             spoken = replace(spoken, utterance=as_corrected(spoken.utterance, request.times))

@@ -44,7 +44,8 @@ class TakeRequest:
     performer : str
     prosody, voice_emotion : float
     effort : str
-        As for `mien.say` and `mien.animate`, without files; ``"auto"``: of a sound, else as the emotions have it.
+        As for `mien.say` and `mien.animate`, without files; ``""``: as the emotions have it, else of a sound;
+        ``"auto"`` with a sound, whatever is felt.
     song : bool
         The sound is a song and the text its lyrics.
     times : GivenTimes or None
@@ -60,7 +61,7 @@ class TakeRequest:
     performer: str = "default"
     speech_model: str | None = None
     prosody: float = 0.5
-    effort: str = "auto"
+    effort: str = ""
     voice_emotion: float = 1.0
     song: bool = False
     times: GivenTimes | None = None
@@ -90,6 +91,8 @@ class TakeRequest:
             if name not in known:
                 raise FieldError(str(name)[:40], str(unknown_name("field", str(name)[:40], known)))
             read[name] = known[name] if value is None else _READERS[name](value, limits)
+        if self.effort == "auto" and not with_sound:  # the sound that it was read from is gone
+            read = {"effort": ""} | read
         request = replace(self, **read)
         request._check(with_sound)
         return request
@@ -99,6 +102,8 @@ class TakeRequest:
             raise FieldError("text", "expected a text to say, got an empty one")
         if not with_sound and "auto" in self.emotion:
             raise FieldError("emotion", "'auto' reads the emotion from a recorded voice: upload a sound, or name one")
+        if not with_sound and self.effort == "auto":
+            raise FieldError("effort", "'auto' reads the effort from a recorded voice: upload a sound, or leave it out")
         if not with_sound and self.song:
             raise FieldError("song", "a song is sung by the sound: upload one")
         if self.song and not self.text.strip():
@@ -237,7 +242,7 @@ def _effort(value: Any, limits: Limits) -> str:
     text = str(value)[:2000].strip().lower()
     if text.endswith(".csv"):
         raise FieldError("effort", "an effort is 'auto', 'off', a number from 0 to 2 or points such as 0.5@0,1.6@2")
-    if text not in ("auto", "off"):
+    if text not in ("", "auto", "off"):
         try:
             parse_effort(text)
         except InputError as problem:

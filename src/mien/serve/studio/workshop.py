@@ -44,8 +44,9 @@ from mien.serve.studio.views import Shown
 
 __all__ = ["Changed", "Workshop"]
 
-_SPOKEN_KEPT = 8
 _PREFIX = "mien-studio-"
+_FIRST_LINE = "Hello, mienlings!"
+"""A word that no dictionary has, so that what guesses at such words is loaded too."""
 
 
 class Changed(Exception):  # noqa: N818 - not a fault of ours: two pages work on one take
@@ -105,7 +106,7 @@ class Workshop:
         """Load what the first line needs: the face, the performer, the voice."""
         self.faces.own_glb(DEFAULT_FACE)
         job.at("voice", 0.5)
-        self.perform(TakeRequest.of({"text": "Hello."}, self.limits), None, job)
+        self.perform(TakeRequest.of({"text": _FIRST_LINE, "emotion": "happy"}, self.limits), None, job)
         return {}
 
     # ------------------------------------------------------------ takes
