@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mien.core.assets import asset
 from mien.core.progress import tell
-from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts
+from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts, run_once
 from mien.speech.voices.sentences import Sentence, shorter_than
 from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
@@ -99,7 +99,7 @@ def _said(speaker: str, tokens: tuple[int, ...]) -> tuple[NDArray[np.float32], N
         "style": style[min(len(tokens) - 2, len(style)) - 1][None].astype(np.float32),
         "speed": np.ones(1, dtype=np.float32),
     }
-    samples, frames = _network().run(None, asked)
+    samples, frames = run_once(_network(), asked)
     for made in (samples, frames):
         made.setflags(write=False)
     return samples, frames

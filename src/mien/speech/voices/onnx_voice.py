@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources.abc import Traversable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mien.core.errors import MissingPartError
 from mien.core.limits import is_whole
@@ -17,7 +20,7 @@ from mien.speech.voices.onnx_outline import outline
 if TYPE_CHECKING:
     import onnxruntime
 
-__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "open_parts", "read_model", "with_output"]
+__all__ = ["RUNTIME_PACKAGE", "have_runtime", "open_network", "open_parts", "read_model", "run_once", "with_output"]
 
 RUNTIME_PACKAGE = "onnxruntime"
 _THREADS = 2
@@ -119,6 +122,15 @@ def open_network(model: bytes, whose: str, weights: Path | None = None) -> onnxr
     except _kinds_of_failure() as problem:
         reason = str(problem).splitlines()[0][:120]
         raise MissingPartError(f"the network of the voice {whose} does not open ({reason}): reinstall it") from problem
+
+
+def run_once(session: onnxruntime.InferenceSession, given: Mapping[str, NDArray[Any]]) -> list[NDArray[Any]]:
+    """All outputs of one run, whose working memory is given back at its end: a long sentence takes 300 MB."""
+    import onnxruntime
+
+    options = onnxruntime.RunOptions()
+    options.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
+    return [np.asarray(made) for made in session.run(None, dict(given), options)]
 
 
 def _threads_left() -> int:

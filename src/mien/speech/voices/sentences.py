@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate
@@ -12,6 +13,12 @@ from mien.text.spoken_text import SpokenText
 __all__ = ["Sentence", "Word", "sentences_of", "shorter_than"]
 
 _FULL_STOPS = ".?!"
+_LINKING = frozenset(
+    re.findall(
+        r"\w+", "and but or nor so that which who when while where because since if unless until although before as"
+    )
+)
+"""Before these one may breathe."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +93,9 @@ def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
 def shorter_than(limit: int, sentence: Sentence) -> Iterator[Sentence]:
     """Cut a sentence into pieces of at most ``limit`` letters of any network, at a mark if possible.
 
-    It is cut after the last mark that fits, else between words; a piece holds at least one word. A phone takes at most
-    three letters (stress mark and two more), the mark and the space after a word two.
+    It is cut after the last mark that fits, else before the last word that links clauses, else between any words; a
+    piece holds at least one word. A phone takes at most three letters (stress mark and two more), the mark and the
+    space after a word two.
 
     Examples
     --------
@@ -100,7 +108,9 @@ def shorter_than(limit: int, sentence: Sentence) -> Iterator[Sentence]:
         sizes = accumulate(3 * len(word.phones) + 2 for word in rest)
         count = max(1, sum(size <= limit for size in sizes))
         if count < len(rest):
-            marked = [place for place in range(count, count // 3, -1) if rest[place - 1].mark]
-            count = marked[0] if marked else count
+            places = range(count, count // 3, -1)
+            marked = [place for place in places if rest[place - 1].mark]
+            linking = [place for place in places if rest[place].text in _LINKING]
+            count = (marked or linking or [count])[0]
         yield Sentence(rest[:count])
         rest = rest[count:]
