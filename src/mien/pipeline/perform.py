@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from mien.animation.animation import Animation, Provenance
 from mien.core import channels
+from mien.core.emotions import emotion_table
 from mien.core.errors import Note
 from mien.core.one_thread import one_thread
 from mien.core.timeline import FrameRate
@@ -44,6 +45,7 @@ _BLOCK = 4096  # frames
 _A_LITTLE = 0.25  # seconds by which a curve may end after its line
 _WEIGHTS = slice(0, len(channels.WEIGHTS))
 _BLINK = [channels.ALL.index(f"eyeBlink{side}") for side in ("Left", "Right")]
+_ROUND = [channels.ALL.index(name) for name in ("mouthPucker", "mouthFunnel")]
 _HEAD = [channels.ALL.index(name) for name in channels.HEAD]
 _LIDS = [channels.ALL.index(f"{name}{side}") for name in ("eyeWide", "eyeSquint") for side in ("Left", "Right")]
 
@@ -170,7 +172,7 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     share = np.ones((len(motion), 1))
     share[: len(seal)] -= seal
     share = share + (1 - share) * performer.expression.sealed_share
-    felt = expression * share
+    felt = expression * share * _beside_rounded_lips(motion)
     felt[:, _LIDS] *= 1 - np.clip(motion[:, _BLINK].max(axis=1, keepdims=True), 0, 1)  # blinks are in the motion
     values = motion + felt
     values[:, _BLINK] = 1 - (1 - motion[:, _BLINK]) * (1 - np.clip(felt[:, _BLINK], 0, 1))
@@ -196,18 +198,26 @@ def blend(
     """Lay expression and idle motion over the speaking mouth; all of shape (frames, channels).
 
     An expression takes what room speech leaves: of a channel that speech holds at 0.3, it moves the other 0.7. So an
-    emotional mouth still articulates, and nothing stands at its ceiling.
+    emotional mouth still articulates, and nothing stands at its ceiling. A smile gives way to rounded lips.
     A blink takes the lids from whatever holds them: squint and wide eyes fade as the lids close.
     Weights are kept in [0, 1]; head angles add up.
     """
-    room = np.ones_like(mouth)
-    room[:, _WEIGHTS] -= np.clip(mouth[:, _WEIGHTS], 0.0, 1.0)
+    room = _beside_rounded_lips(mouth)
+    room[:, _WEIGHTS] *= 1 - np.clip(mouth[:, _WEIGHTS], 0.0, 1.0)
     values: NDArray[np.float64] = mouth + expression * room + idle
     blink = np.clip(idle[:, _BLINK].max(axis=1), 0, 1)
     values[:, _LIDS] *= 1 - blink[:, None]
     values[:, _BLINK] = 1 - (1 - np.clip((mouth + expression)[:, _BLINK], 0, 1)) * (1 - blink[:, None])
     values[:, _WEIGHTS] = np.clip(values[:, _WEIGHTS], 0.0, 1.0)
     return values
+
+
+def _beside_rounded_lips(mouth: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share of each channel of an expression that remains beside what the mouth says, shape of ``mouth``."""
+    table, share = emotion_table()["rounded"], np.ones_like(mouth)
+    rounded = np.clip(mouth[:, _ROUND].sum(axis=1, keepdims=True), 0.0, 1.0)
+    share[:, [channels.ALL.index(name) for name in table["channels"]]] -= table["gives_way"] * rounded
+    return share
 
 
 def direct(

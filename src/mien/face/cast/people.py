@@ -15,15 +15,16 @@ __all__ = ["drawn_features", "feature_names", "head_weights", "open_sky"]
 
 _YOUNG, _OLD, _CHILD = 25.0, 90.0, 8.0  # years at which MakeHuman's characters of these names stand
 _DRAWN, _SPREAD = 18, 0.36  # local features that a seed draws, and how far they go
+_LIDS = 0.5  # how far lids vary beside the rest: whose eyes are half shut at rest, has none left to feel with
 _ORIGINS = ("african", "asian", "caucasian")
 # What MakeHuman's means lack to look like somebody: hand-made, by eye. For all, women, men, and the old, who frown.
 _TOUCHES: tuple[dict[str, float], ...] = (
-    {"eye-scale-incr": 0.42, "eye-height2-incr": 0.10, "mouth-scale-horiz-incr": 0.20, "mouth-angles-up": 0.25},
+    {"eye-scale-incr": 0.42, "eye-height2-incr": 0.40, "mouth-scale-horiz-incr": 0.20, "mouth-angles-up": 0.25},
     {"eye-scale-incr": 0.28, "head-oval": 0.30, "chin-width-decr": 0.35, "chin-jaw-drop-decr": 0.25,
      "nose-scale-horiz-decr": 0.20, "mouth-upperlip-height-incr": 0.20, "mouth-lowerlip-height-incr": 0.20,
      "eyebrows-trans-backward": 0.45, "forehead-nubian-decr": 0.1, "neck-scale-horiz-decr": 0.35},
-    {"chin-width-incr": 0.15, "measure-neck-circ-incr": 0.15},
-    {"mouth-angles-up": 0.60, "eye-height2-incr": 0.15},
+    {"chin-width-incr": 0.15, "measure-neck-circ-incr": 0.15, "eye-height1-incr": 0.40, "eye-height2-incr": 0.45},
+    {"mouth-angles-up": 0.75, "eye-height2-incr": 0.25, "eye-height3-incr": 0.30, "eyebrows-angle-down": 0.22},
 )  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -79,7 +80,8 @@ def drawn_features(seed: int, variety: float = 1.0) -> dict[str, float]:
     names = feature_names()
     chosen = chance.choice(len(names), size=_DRAWN, replace=False)
     amounts = variety * _SPREAD * np.abs(chance.normal(size=_DRAWN))
-    return {names[number]: float(amount) for number, amount in zip(chosen, amounts, strict=True)}
+    drawn = {names[number]: float(amount) for number, amount in zip(chosen, amounts, strict=True)}
+    return {name: amount * (_LIDS if name.startswith("eye-height") else 1.0) for name, amount in drawn.items()}
 
 
 def head_weights(

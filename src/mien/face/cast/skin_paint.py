@@ -216,9 +216,9 @@ def _age(paint: _Paint) -> None:
     where = (
         paint.spot(0, 45, 30, (42, 18, 40)) + paint.spot(46, -4, 5, (14, 14, 22)) + paint.spot(30, -14, 16, (16, 7, 20))
     )
-    paint.darken(0.26 * person.ageing * lines * np.minimum(where, 1), np.ones(3))
+    paint.darken(0.18 * person.ageing * lines * np.minimum(where, 1), np.ones(3))
     about = paint.spot(0, -52, 30, (24, 7, 20)) + 0.6 * paint.spot(0, -76, 28, (22, 8, 20))
-    paint.darken(0.22 * person.ageing * upright * np.minimum(about, 1), np.ones(3))
+    paint.darken(0.11 * person.ageing * upright * np.minimum(about, 1), np.ones(3))
     spots = smoothstep(0.62, 0.80, value_noise(place, 6.0, person.seed + 63))
     high = paint.spot(45, 10, 0, (25, 45, 40)) + paint.spot(0, 60, 10, (50, 25, 40))
     paint.mix(0.35 * person.ageing * spots * np.minimum(high, 1), paint.zone("brown"))
