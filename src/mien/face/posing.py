@@ -9,13 +9,17 @@ The steps, in order:
 4. normals are the area-weighted mean of the triangles around a vertex. Vertices that lie and move together (the two
    sides of a seam in the texture) share one normal.
 
-`Poser` runs compiled loops; `pose_reference` says the same in plain numpy and is the referee of the tests.
+`Poser` runs compiled loops; `pose_reference` says the same in plain numpy and is the referee of the tests. The loops
+make normals only where targets or the neck bend the surface: elsewhere (the back of the head, hair, eyes, trunk) those
+of the face at rest are turned along.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +27,8 @@ from numpy.typing import ArrayLike, NDArray
 from mien.core.channels import ALL
 from mien.core.compiled import njit
 from mien.core.errors import InputError, unknown_name
-from mien.face.model import Eye, Face, Part, Target
+from mien.face.model import Eye, Face, Part
+from mien.face.normals import Rings, ring_normals, rings_of
 
 __all__ = ["PosedFace", "PosedPart", "Poser", "eye_rotation", "head_rotation", "pose_reference", "welded_vertices"]
 
@@ -33,7 +38,8 @@ Matrix = NDArray[np.float64]
 
 # Vertices closer than this (mm), at rest and in a mixture of all targets, are one point of the surface.
 _WELD_MM = 1e-3
-_GAP = 8  # vertices that do not move between two that do, at most, within one run
+_UNTURNED, _APART = -1, -2  # beside the numbers of turns
+_BLOCK = 16  # vertices that are posed together
 
 
 def head_rotation(yaw: float, pitch: float, roll: float) -> Matrix:
@@ -55,11 +61,15 @@ def head_rotation(yaw: float, pitch: float, roll: float) -> Matrix:
     >>> (head_rotation(90, 0, 0) @ [0, 0, 1]).round(6).tolist()
     [1.0, 0.0, 0.0]
     """
-    y, p, r = np.deg2rad((yaw, -pitch, -roll))
-    about_y = np.array([[np.cos(y), 0, np.sin(y)], [0, 1, 0], [-np.sin(y), 0, np.cos(y)]])
-    about_x = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
-    about_z = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
-    return np.asarray(about_y @ about_x @ about_z, dtype=np.float64)
+    y, p, r = math.radians(yaw), -math.radians(pitch), -math.radians(roll)
+    sy, cy, sp, cp, sr, cr = math.sin(y), math.cos(y), math.sin(p), math.cos(p), math.sin(r), math.cos(r)
+    return np.array(  # about y, then x, then z
+        [
+            [cy * cr + sy * sp * sr, sy * sp * cr - cy * sr, sy * cp],
+            [cp * sr, cp * cr, -sp],
+            [cy * sp * sr - sy * cr, sy * sr + cy * sp * cr, cy * cp],
+        ]
+    )
 
 
 def eye_rotation(eye: Eye, up: float, down: float, inward: float, outward: float) -> Matrix:
@@ -109,18 +119,26 @@ class _Surface:
 
     starts: tuple[int, ...]  # first vertex of each part, and the end
     rest: Floats
+    rest_normals: Floats
     triangles: Indices
     head_weight: Floats
     welded: Indices  # (n,) the first vertex that each one shares its normal with
-    shaded: Indices  # (t, 3) triangles of welded vertices
-    target_column: Indices  # (targets,) channel of each target
-    target_start: Indices  # (targets + 1,) its runs: neighbouring vertices that it moves
-    run_vertex: Indices  # (runs,) where each run begins
-    run_start: Indices  # (runs + 1,) its offsets
-    target_offset: Floats
+    block_vertex: Indices  # (blocks, BLOCK) the vertices that targets or the neck move; some are there twice
+    block_rest: Floats  # (blocks, 3 BLOCK) their x, y and z
+    block_share: Floats  # (blocks, BLOCK) how far each takes part in the turn
+    block_turn: Indices  # (blocks,) number of the turn: 0 the head's, then the eyes'
+    block_start: Indices  # (blocks + 1,) its entries
+    entry_column: Indices  # (entries,) a channel
+    entry_offset: Floats  # (entries, 3 BLOCK) how it moves the block
     eye_span: Indices  # (eyes, 2) first vertex and end
     eye_centre: Floats  # (eyes, 3)
     pivot: Floats
+    angles: (
+        Matrix  # (3 (1 + eyes), channels) radians of yaw, -pitch and -roll of head and eyes for each channel's value
+    )
+    turned: Indices  # (spans, 3) first vertex, end and turn (-1 for none) of vertices in no block
+    stiff: Indices  # (spans, 3) likewise, of those that keep their normals at rest but for the turn
+    rings: Rings  # of all others
 
 
 class Poser:
@@ -164,32 +182,23 @@ class Poser:
             If the row has another length.
         """
         row = self._checked(values)
-        surface, (turns, head) = self._surface, self._rotations(row)
-        vertices, normals = np.empty_like(surface.rest), np.empty_like(surface.rest)
-        _pose_kernel(
-            surface.rest,
-            surface.triangles,
-            surface.shaded,
-            surface.head_weight,
-            surface.welded,
-            surface.target_start,
-            surface.run_vertex,
-            surface.run_start,
-            surface.target_offset.reshape(-1),
-            row[surface.target_column].astype(np.float32),
-            surface.eye_span,
-            surface.eye_centre,
-            turns,
-            head,
-            surface.pivot,
-            vertices,
-            vertices.reshape(-1),
-            normals,
-        )
+        surface, rings = self._surface, self._surface.rings
+        # One piece of memory: two would be given back to the system, and cleared by it, for every pose of a large face.
+        vertices, normals = np.empty((2, *surface.rest.shape), np.float32)
+        turns = np.empty((1 + len(surface.eye_centre), 3, 3), np.float32)
+        shifts = np.empty((len(turns), 3), np.float32)
+        _set_up_turns(surface.angles @ row, surface.pivot, surface.eye_centre, turns, shifts)
+        _turn(surface.turned, surface.rest, turns, shifts, vertices)
+        _move_blocks(
+            surface.block_vertex, surface.block_rest, surface.block_share, surface.block_turn, surface.block_start,
+            surface.entry_column, surface.entry_offset, row.astype(np.float32), turns, shifts, vertices,
+        )  # fmt: skip
+        _turn(surface.stiff, surface.rest_normals, turns, np.zeros_like(shifts), normals)
+        ring_normals(vertices, rings.vertex, rings.start, rings.points, rings.twins, normals)
         return replace(_split(surface, vertices, normals), channels=self._moved(row))
 
     def _moved(self, row: NDArray[np.float64]) -> dict[str, float]:
-        return {self.channel_names[place]: float(row[place]) for place in np.flatnonzero(row)}
+        return {name: value for name, value in zip(self.channel_names, row.tolist(), strict=True) if value}
 
     def _checked(self, values: ArrayLike) -> NDArray[np.float64]:
         row = np.asarray(values, dtype=np.float64)
@@ -197,26 +206,26 @@ class Poser:
             raise InputError(f"a row to pose has {len(self.channel_names)} channels, got an array of shape {row.shape}")
         return row
 
-    def _rotations(self, row: NDArray[np.float64]) -> tuple[Floats, Floats]:
+    def _rotations(self, row: NDArray[np.float64]) -> tuple[Matrix, Matrix]:
         def value(name: str) -> float:
             return float(row[self._column[name]]) if name in self._column else 0.0
 
-        turns = np.empty((len(self.face.eyes), 3, 3), dtype=np.float32)
+        turns = np.empty((len(self.face.eyes), 3, 3))
         for number, eye in enumerate(self.face.eyes):
             looks = [value(f"eyeLook{way}{eye.side}") for way in ("Up", "Down", "In", "Out")]
             turns[number] = eye_rotation(eye, looks[0], looks[1], looks[2], looks[3])
-        return turns, head_rotation(value("headYaw"), value("headPitch"), value("headRoll")).astype(np.float32)
+        return turns, head_rotation(value("headYaw"), value("headPitch"), value("headRoll"))
 
 
 def pose_reference(poser: Poser, values: ArrayLike) -> PosedFace:
     """The same as ``poser.pose(values)`` in plain numpy: slower, and easier to check by eye."""
     row, surface = poser._checked(values), poser._surface
     turns, head = poser._rotations(row)
-    vertices = surface.rest.copy()
+    vertices = surface.rest.astype(np.float64)
     for part, start in zip(poser.face.parts, surface.starts, strict=False):
         for name, target in part.targets.items():
             if name in poser._column:
-                weight = np.float32(row[poser._column[name]])
+                weight = row[poser._column[name]]
                 np.add.at(vertices, target.vertices + start, weight * target.offsets)
     for (first, end), centre, turn in zip(surface.eye_span, surface.eye_centre, turns, strict=True):
         vertices[first:end] = (vertices[first:end] - centre) @ turn.T + centre
@@ -230,7 +239,8 @@ def pose_reference(poser: Poser, values: ArrayLike) -> PosedFace:
     length = np.linalg.norm(total, axis=1, keepdims=True)
     forward = np.array([0, 0, 1], dtype=np.float32)
     normals = np.where(length > 0, total / np.where(length > 0, length, 1), forward)[surface.welded]
-    return replace(_split(surface, vertices, normals.astype(np.float32)), channels=poser._moved(row))
+    posed = _split(surface, vertices.astype(np.float32), normals.astype(np.float32))
+    return replace(posed, channels=poser._moved(row))
 
 
 def _split(surface: _Surface, vertices: Floats, normals: Floats) -> PosedFace:
@@ -244,51 +254,116 @@ def _surface(face: Face, column: dict[str, int]) -> _Surface:
     weights = [part.head_weight for part in face.parts]
     for eye in face.eyes:
         weights[names.index(eye.part)] = np.ones_like(weights[names.index(eye.part)])
-    moved = [
-        (column[name], _runs(target, start))
-        for part, start in zip(face.parts, starts, strict=False)
-        for name, target in part.targets.items()
-        if name in column
-    ]
-    runs = [run for _, found in moved for run in found]
     triangles = _indices([part.triangles + start for part, start in zip(face.parts, starts, strict=False)])
+    triangles = triangles.reshape(-1, 3)
     welded = _indices([welded_vertices(part) + start for part, start in zip(face.parts, starts, strict=False)])
+    rest, rings = _floats([part.vertices for part in face.parts], 3), rings_of(triangles, welded)
+    rest_normals = np.empty_like(rest)
+    ring_normals(rest, rings.vertex, rings.start, rings.points, rings.twins, rest_normals)
+    head_weight = np.concatenate([np.zeros(0, np.float32), *weights]).astype(np.float32)
     eye_parts = [names.index(eye.part) for eye in face.eyes]
+    eye_span = np.array([(starts[p], starts[p + 1]) for p in eye_parts], dtype=np.int32).reshape(-1, 2)
+    turn = np.where(head_weight == 1, 0, np.where(head_weight == 0, _UNTURNED, _APART))
+    for number, (first, end) in enumerate(eye_span):
+        turn[first:end] = 1 + number
+    moves = _moves(face, starts, column)
+    loose = (turn == _APART) | moves.any(axis=0)
+    alive = _alive(triangles, welded, turn, loose)
     return _Surface(
         starts=tuple(starts),
-        rest=_floats([part.vertices for part in face.parts], 3),
-        triangles=triangles.reshape(-1, 3),
-        shaded=welded[triangles].reshape(-1, 3),
-        head_weight=np.concatenate([np.zeros(0, np.float32), *weights]).astype(np.float32),
+        rest=rest,
+        rest_normals=rest_normals,
+        triangles=triangles,
+        head_weight=head_weight,
         welded=welded,
-        target_column=np.array([entry[0] for entry in moved], dtype=np.int32),
-        target_start=np.cumsum([0, *(len(entry[1]) for entry in moved)]).astype(np.int32),
-        run_vertex=np.array([run[0] for run in runs], dtype=np.int32),
-        run_start=np.cumsum([0, *(len(run[1]) for run in runs)]).astype(np.int32),
-        target_offset=_floats([run[1] for run in runs], 3),
-        eye_span=np.array([(starts[p], starts[p + 1]) for p in eye_parts], dtype=np.int32).reshape(-1, 2),
+        **_blocks(face, starts, column, moves, loose, np.maximum(turn, 0), head_weight, rest),
+        eye_span=eye_span,
         eye_centre=np.array([eye.centre for eye in face.eyes], dtype=np.float32).reshape(-1, 3),
         pivot=np.array(face.head_pivot, dtype=np.float32),
+        angles=_angles(face.eyes, column),
+        turned=_spans(np.where(loose, _APART, turn)),
+        stiff=_spans(np.where(alive, _APART, turn)),
+        rings=rings.of(alive),
     )
 
 
-def _runs(target: Target, start: int) -> list[tuple[int, Floats]]:
-    """A target as runs of neighbouring vertices: (first vertex, offsets (k, 3)); gaps up to `_GAP` hold zeros.
+def _angles(eyes: Sequence[Eye], column: Mapping[str, int]) -> Matrix:
+    """What `head_rotation` and `eye_rotation` make of each channel, in radians about y, x and z."""
+    degrees = np.zeros((1 + len(eyes), 3, len(column)))
+    for axis, name in enumerate(("headYaw", "headPitch", "headRoll")):
+        if name in column:
+            degrees[0, axis, column[name]] = -1.0 if axis else 1.0
+    for number, eye in enumerate(eyes):
+        side = 1.0 if eye.side == "Left" else -1.0
+        gains = {"Up": (1, -eye.look_up), "Down": (1, eye.look_down), "In": (0, -side * eye.look_in)}
+        for way, (axis, gain) in {**gains, "Out": (0, side * eye.look_out)}.items():
+            if (name := f"eyeLook{way}{eye.side}") in column:
+                degrees[1 + number, axis, column[name]] = gain
+    return np.deg2rad(degrees).reshape(3 + 3 * len(eyes), len(column))
 
-    Adding a run needs no list of vertices and goes eight numbers at a time: three times as fast as one by one.
-    """
-    if not len(target.vertices):
-        return []
-    order = np.unique(target.vertices)
-    first = int(order[0])
-    dense = np.zeros((int(order[-1]) - first + 1, 3), np.float32)
-    np.add.at(dense, target.vertices - first, target.offsets)
-    ends = np.append(np.flatnonzero(np.diff(order) > _GAP), len(order) - 1)
-    begins = np.append(0, ends[:-1] + 1)
-    return [
-        (int(order[a]) + start, dense[order[a] - first : order[b] - first + 1])
-        for a, b in zip(begins, ends, strict=True)
-    ]
+
+def _moves(face: Face, starts: Sequence[int], column: Mapping[str, int]) -> NDArray[np.bool_]:
+    """Which channels (columns) move which vertices."""
+    moves = np.zeros((len(column), starts[-1]), dtype=np.bool_)
+    for part, start in zip(face.parts, starts, strict=False):
+        for name, target in part.targets.items():
+            if name in column:
+                moves[column[name], start + target.vertices[target.offsets.any(axis=1)]] = True
+    return moves
+
+
+def _blocks(
+    face: Face,
+    starts: Sequence[int],
+    column: Mapping[str, int],
+    moves: NDArray[np.bool_],
+    loose: NDArray[np.bool_],
+    turn: NDArray[Any],
+    share: Floats,
+    rest: Floats,
+) -> dict[str, Any]:
+    """The loose vertices in blocks of those that turn alike and that the same channels move."""
+    most_first = np.argsort(moves.sum(axis=1), kind="stable")
+    listed = np.flatnonzero(loose)
+    listed = listed[np.lexsort([*moves[most_first][:, listed], turn[listed]])]
+    groups = [listed[turn[listed] == number] for number in np.unique(turn[listed])]
+    filled = [np.append(group, np.repeat(group[-1:], -len(group) % _BLOCK)).reshape(-1, _BLOCK) for group in groups]
+    vertex = np.concatenate([np.zeros((0, _BLOCK), np.int64), *filled])
+    used = moves[:, vertex].any(axis=2).T if len(moves) else np.zeros((len(vertex), 0), dtype=np.bool_)
+    block, channel = np.nonzero(used)
+    offset = np.zeros((len(block), 3, _BLOCK), np.float32)
+    for name, number in column.items():
+        dense, entries = np.zeros_like(rest), channel == number
+        for part, start in zip(face.parts, starts, strict=False):
+            if name in part.targets:
+                np.add.at(dense, part.targets[name].vertices + start, part.targets[name].offsets)
+        offset[entries] = dense[vertex[block[entries]]].transpose(0, 2, 1)
+    return {
+        "block_vertex": vertex.astype(np.int32),
+        "block_rest": np.ascontiguousarray(rest[vertex].transpose(0, 2, 1)).reshape(-1, 3 * _BLOCK),
+        "block_share": share[vertex],
+        "block_turn": turn[vertex[:, 0]].astype(np.int32),
+        "block_start": np.append(0, np.cumsum(used.sum(axis=1))).astype(np.int32),
+        "entry_column": channel.astype(np.int32),
+        "entry_offset": offset.reshape(-1, 3 * _BLOCK),
+    }
+
+
+def _alive(triangles: Indices, welded: Indices, turn: NDArray[Any], loose: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Vertices whose normals may change otherwise than by the turn of all that is around them."""
+    alive, turns = loose.copy(), turn[triangles]
+    bends = loose[triangles].any(axis=1) | (turns != turns[:, :1]).any(axis=1)
+    alive[triangles[bends]] = True
+    alive[welded[alive]] = True
+    return np.asarray(alive[welded])
+
+
+def _spans(turn: NDArray[Any]) -> Indices:
+    """Neighbours that turn alike, but those `_APART`: first vertex, end, turn."""
+    ends = np.append(np.flatnonzero(np.diff(turn)) + 1, len(turn))[: len(turn)]
+    firsts = np.append(0, ends)[: len(ends)]
+    spans = np.stack([firsts, ends, turn[firsts]], axis=1).astype(np.int32)
+    return np.asarray(spans[spans[:, 2] != _APART])
 
 
 def _floats(pieces: Sequence[NDArray[np.float32]], width: int) -> Floats:
@@ -319,76 +394,78 @@ def welded_vertices(part: Part, told_apart_by: ArrayLike | None = None) -> Indic
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _pose_kernel(  # type: ignore[no-untyped-def]  # numba infers the types; the arrays are those of _Surface
-    rest, triangles, shaded, head_weight, welded, target_start, run_vertex, run_start, target_offset, weights,
-    eye_span, eye_centre, eye_turn, head_turn, pivot, vertices, numbers, normals,
-):  # fmt: skip
-    """``numbers`` are the vertices as one row of numbers, ``target_offset`` likewise."""
-    count = rest.shape[0]
-    vertices[:] = rest
-    for k in range(weights.shape[0]):
-        weight = weights[k]
-        if weight == 0.0:
+def _set_up_turns(angles, pivot, centre, turns, shifts):  # type: ignore[no-untyped-def]
+    """Fill the rotations of the head, and of the eyes and then the head, and what is added after each."""
+    for n in range(turns.shape[0]):
+        y, p, r = angles[3 * n], angles[3 * n + 1], angles[3 * n + 2]
+        sy, cy, sp, cp, sr, cr = np.sin(y), np.cos(y), np.sin(p), np.cos(p), np.sin(r), np.cos(r)
+        own = np.array(
+            [
+                [cy * cr + sy * sp * sr, sy * sp * cr - cy * sr, sy * cp],
+                [cp * sr, cp * cr, -sp],
+                [cy * sp * sr - sy * cr, sy * sr + cy * sp * cr, cy * cp],
+            ]
+        )
+        if n == 0:
+            head, about = own, pivot
+        else:
+            about = centre[n - 1]
+        for i in range(3):
+            moved = np.float64(about[i])
+            for k in range(3):
+                moved -= own[i, k] * about[k]
+            turns[n, i], shifts[n, i] = own[i], moved
+        if n > 0:
+            for i in range(3):
+                moved = np.float64(shifts[0, i])
+                for k in range(3):
+                    moved += head[i, k] * shifts[n, k]
+                    turns[n, i, k] = head[i, 0] * own[0, k] + head[i, 1] * own[1, k] + head[i, 2] * own[2, k]
+                angles[i] = moved
+            for i in range(3):
+                shifts[n, i] = angles[i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _move_blocks(  # type: ignore[no-untyped-def]  # numba infers the types; the arrays are those of _Surface
+    listed, rest, share, block_turn, start, column, offset, weights, turns, shifts, vertices
+):
+    """Pose block after block: all in it that changes is read once, and added up in the nearest memory."""
+    place = np.empty(3 * _BLOCK, np.float32)
+    for block in range(listed.shape[0]):
+        for i in range(3 * _BLOCK):
+            place[i] = rest[block, i]
+        for entry in range(start[block], start[block + 1]):
+            weight = weights[column[entry]]
+            if weight != 0.0:
+                for i in range(3 * _BLOCK):
+                    place[i] += weight * offset[entry, i]
+        turn, shift = turns[block_turn[block]], shifts[block_turn[block]]
+        a, b, c, d, e, f = turn[0, 0], turn[0, 1], turn[0, 2], turn[1, 0], turn[1, 1], turn[1, 2]
+        g, h, k, sx, sy, sz = turn[2, 0], turn[2, 1], turn[2, 2], shift[0], shift[1], shift[2]
+        for i in range(_BLOCK):
+            x, y, z, part = place[i], place[_BLOCK + i], place[2 * _BLOCK + i], share[block, i]
+            place[i] = x + part * (a * x + b * y + c * z + sx - x)
+            place[_BLOCK + i] = y + part * (d * x + e * y + f * z + sy - y)
+            place[2 * _BLOCK + i] = z + part * (g * x + h * y + k * z + sz - z)
+        for i in range(_BLOCK):
+            v = np.uint64(listed[block, i])
+            vertices[v, 0], vertices[v, 1], vertices[v, 2] = place[i], place[_BLOCK + i], place[2 * _BLOCK + i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _turn(spans, source, turns, shifts, goal):  # type: ignore[no-untyped-def]
+    """Places, or directions (``shifts`` of 0), of what turns as one; as they are where the number of the turn is -1."""
+    for span in range(spans.shape[0]):
+        first, end = np.uint64(spans[span, 0]), np.uint64(spans[span, 1])
+        if spans[span, 2] < 0:
+            goal[first:end] = source[first:end]
             continue
-        for run in range(target_start[k], target_start[k + 1]):
-            first, end = 3 * run_start[run], 3 * run_start[run + 1]
-            moved = numbers[3 * run_vertex[run] : 3 * run_vertex[run] + end - first]
-            offset = target_offset[first:end]
-            for i in range(end - first):
-                moved[i] += weight * offset[i]
-    for e in range(eye_span.shape[0]):
-        for v in range(eye_span[e, 0], eye_span[e, 1]):
-            _turn(vertices, v, eye_turn[e], eye_centre[e], np.float32(1.0))
-    for v in range(count):
-        if head_weight[v] != 0.0:
-            _turn(vertices, v, head_turn, pivot, head_weight[v])
-    _shade(vertices, triangles, shaded, welded, normals)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def shade(vertices, triangles, welded, normals):  # type: ignore[no-untyped-def]
-    """Unit normals of vertices as they stand, weighted by area, shared by vertices that are welded."""
-    shaded = np.empty_like(triangles)
-    for t in range(triangles.shape[0]):
-        for k in range(3):
-            shaded[t, k] = welded[triangles[t, k]]
-    _shade(vertices, triangles, shaded, welded, normals)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _shade(vertices, triangles, shaded, welded, normals):  # type: ignore[no-untyped-def]
-    count = vertices.shape[0]
-    normals[:] = 0.0
-    for t in range(triangles.shape[0]):
-        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        x, y, z = vertices[a, 0], vertices[a, 1], vertices[a, 2]
-        ux, uy, uz = vertices[b, 0] - x, vertices[b, 1] - y, vertices[b, 2] - z
-        wx, wy, wz = vertices[c, 0] - x, vertices[c, 1] - y, vertices[c, 2] - z
-        nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
-        for k in range(3):
-            v = shaded[t, k]
-            normals[v, 0] += nx
-            normals[v, 1] += ny
-            normals[v, 2] += nz
-    for v in range(count):
-        if welded[v] == v:
-            nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
-            squared = nx * nx + ny * ny + nz * nz
-            if squared > 0.0:
-                share = np.float32(1.0) / np.sqrt(squared)
-                normals[v, 0], normals[v, 1], normals[v, 2] = nx * share, ny * share, nz * share
-            else:
-                normals[v, 2] = 1.0
-    for v in range(count):
-        w = welded[v]
-        if w != v:
-            normals[v, 0], normals[v, 1], normals[v, 2] = normals[w, 0], normals[w, 1], normals[w, 2]
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _turn(vertices, v, turn, about, share):  # type: ignore[no-untyped-def]
-    """Move one vertex by ``share`` of the way to where the rotation takes it."""
-    x, y, z = vertices[v, 0] - about[0], vertices[v, 1] - about[1], vertices[v, 2] - about[2]
-    vertices[v, 0] += share * (turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z - x)
-    vertices[v, 1] += share * (turn[1, 0] * x + turn[1, 1] * y + turn[1, 2] * z - y)
-    vertices[v, 2] += share * (turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z - z)
+        turn, shift = turns[spans[span, 2]], shifts[spans[span, 2]]
+        a, b, c, d, e, f = turn[0, 0], turn[0, 1], turn[0, 2], turn[1, 0], turn[1, 1], turn[1, 2]
+        g, h, i, sx, sy, sz = turn[2, 0], turn[2, 1], turn[2, 2], shift[0], shift[1], shift[2]
+        for v in range(first, end):
+            x, y, z = source[v, 0], source[v, 1], source[v, 2]
+            goal[v, 0] = a * x + b * y + c * z + sx
+            goal[v, 1] = d * x + e * y + f * z + sy
+            goal[v, 2] = g * x + h * y + i * z + sz

@@ -12,8 +12,9 @@ from mien.core.compiled import njit
 from mien.core.errors import InputError, unknown_name
 from mien.core.facs import au_channels, is_unit
 from mien.face.model import Face, Part
+from mien.face.normals import ring_normals, rings_of
 from mien.face.parameter_tree import ParameterTree
-from mien.face.posing import PosedFace, PosedPart, shade, welded_vertices
+from mien.face.posing import PosedFace, PosedPart, welded_vertices
 
 __all__ = ["TreePoser"]
 
@@ -73,7 +74,8 @@ class TreePoser:
         vertices, normals = self._rest.copy(), np.empty_like(self._rest)
         _skeletal(self._rest, self._bone, self._start, self._vertex, self._weight, moving, steps, vertices)
         _surface(vertices.copy(), self._leaf, self._start, self._vertex, self._weight, moving, sliding, steps, vertices)
-        shade(vertices, self._triangles, self._welded, normals)
+        rings = self._rings
+        ring_normals(vertices, rings.vertex, rings.start, rings.points, rings.twins, normals)
         spans = zip(self._starts, self._starts[1:], strict=False)
         return PosedFace(tuple(PosedPart(vertices[first:end], normals[first:end]) for first, end in spans))
 
@@ -108,14 +110,12 @@ class TreePoser:
         self._bone = np.array([p.skeletal for p in tree.parameters], dtype=np.bool_)
         self._leaf = ~self._bone
         self._rest = np.concatenate([np.zeros((0, 3), np.float32), *(part.vertices for part in face.parts)])
-        self._triangles = np.concatenate(
-            [part.triangles + start for part, start in zip(face.parts, self._starts, strict=False)]
-        ).astype(np.int32)
         welded = [
             welded_vertices(part, _mixture(tree, part)) + start
             for part, start in zip(face.parts, self._starts, strict=False)
         ]
-        self._welded = np.concatenate(welded).astype(np.int32)
+        triangles = [part.triangles + start for part, start in zip(face.parts, self._starts, strict=False)]
+        self._rings = rings_of(np.concatenate(triangles).astype(np.int32), np.concatenate(welded).astype(np.int32))
 
 
 def _mixture(tree: ParameterTree, part: Part) -> NDArray[np.float64]:

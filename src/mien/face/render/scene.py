@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mien.face.model import Face, Part
-from mien.face.posing import shade, welded_vertices
+from mien.face.normals import normals_of
+from mien.face.posing import welded_vertices
 from mien.face.render.colour import linear_from_srgb
 from mien.face.render.relief import TILE_MM
 
@@ -257,8 +258,7 @@ def _thin(part: Part, welded: Indices) -> Floats:
     thin: NDArray[Any] = np.zeros(len(part.vertices), dtype=np.float32)
     if part.material.scatter == 0 or not len(part.triangles):
         return thin
-    normals = np.empty_like(part.vertices)
-    shade(part.vertices, part.triangles, welded, normals)
+    normals = normals_of(part.vertices, part.triangles, welded)
     tree, others = cKDTree(part.vertices), -0.3 * np.ones(len(thin))
     for depth in _THIN_MM:
         away, nearest = tree.query(part.vertices - np.float32(depth) * normals)
