@@ -133,8 +133,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _tell_of_compiling() -> None:
-    told = "mien: compiling what draws and poses: about half a minute, once; 'mien warm-up' does it ahead"
-    print(told, file=sys.stderr, flush=True)
+    line = "mien: first use of some parts: compiling them, up to half a minute ('mien warm-up' compiles all at once)"
+    print(line, file=sys.stderr, flush=True)
 
 
 def _tell_of_folders(quiet: bool) -> None:

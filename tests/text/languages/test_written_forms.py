@@ -33,6 +33,9 @@ CASES = {
         +49 30 12345 = plus vier neun drei null eins zwei drei vier fünf
         """,
     "fr": """
+        Au 06 12 34 56 78 = Au zéro six douze trente-quatre cinquante-six soixante-dix-huit
+        +33 6 12 34 56 78 = plus trente-trois six douze trente-quatre cinquante-six soixante-dix-huit
+        le 05/03/2024 = le cinq mars deux mille vingt-quatre
         à 15h30 ou 15 h 30 = à quinze heures trente ou quinze heures trente
         à 1h et à 21:00 = à une heure et à vingt-et-une heures
         le 1er mai et le 3/5/2024 = le premier mai et le trois mai deux mille vingt-quatre
@@ -42,11 +45,14 @@ CASES = {
         M. Dupont, p. ex. = monsieur Dupont par exemple
         """,
     "es": """
+        1 libro y 1 casa = un libro y una casa
+        21 mujeres, 31 días = veintiuna mujeres treinta y un días
+        500 personas en 2021 = quinientas personas en dos mil veintiuno
         a las 15:30 h = a las quince y treinta
         el 3/5/2024 = el tres de mayo de dos mil veinticuatro
         5,50 € y 1.000 km = cinco euros con cincuenta y mil kilómetros
         el 1.º, la 2ª, el 1er piso = el primero la segunda el primer piso
-        21 casas, 200 casas, 21 libros = veintiuna casas doscientas casas veintiuno libros
+        21 casas, 200 casas, 21 libros = veintiuna casas doscientas casas veintiún libros
         Sr. López, EE. UU., Felipe VI, siglo XXI = señor López Estados Unidos Felipe sexto siglo veintiuno
         """,
     "it": """
@@ -56,6 +62,8 @@ CASES = {
         1° maggio, 2ª volta, Sig. Rossi = primo maggio seconda volta signor Rossi
         """,
     "pt": """
+        2 casas e 2 livros = duas casas e dois livros
+        200 pessoas, 2 vezes, 2 dias = duzentas pessoas duas vezes dois dias
         às 15h30 = às quinze horas e trinta
         3/5/2024 = três de maio de dois mil e vinte e quatro
         R$ 5,50 e 2 £ = cinco reais e cinquenta e duas libras
@@ -119,6 +127,10 @@ CASES = {
         2个人，3.5公里，50% = 两 个人 三 点 五 公里 百分之五十
         """,
     "ja": """
+        1匹 3匹 10匹 = いっぴき さんびき じゅっぴき
+        8冊 20枚 3階 6個 = はっさつ にじゅうまい さんがい ろっこ
+        2024年 3年間 20日 = にせんにじゅうよねん さんねんかん はつか
+        3時間 3時 1ヶ月 20歳 = さんじかん さんじ いっかげつ はたち
         7:30に、15時30分に = しちじ さんじゅっぷん に じゅうごじ さんじゅっぷん に
         今日は7時30分に = 今日は しちじ さんじゅっぷん に
         3人と1人と2人、1つ、3本、10分 = さんにん と ひとり と ふたり ひとつ さんぼん じゅっぷん

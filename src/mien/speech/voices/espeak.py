@@ -28,6 +28,8 @@ __all__ = ["Espeak", "EspeakLanguage", "espeak_languages", "words_in_time"]
 _STRESS_SIGNS = "',%="
 _IPA_STRESS = "ˈˌ"
 _DEFAULT_SPEED = 150
+_LEAST_PAUSE = 0.08
+"""Seconds; a shorter silence inside a word is no pause."""
 
 
 class Espeak(Voice):
@@ -115,8 +117,8 @@ def _english(name: str) -> Sequence[str] | None:
 
 
 def _native(name: str) -> Sequence[str]:
-    """An IPA sign as it is; the engine marks a pause by an empty one."""
-    return [name.strip(_IPA_STRESS) or PAUSE]
+    """An IPA sign as it is; the engine marks a pause by an empty one, words of another language by ``(en)``."""
+    return [] if name.startswith("(") else [name.strip(_IPA_STRESS) or PAUSE]
 
 
 def _piece(
@@ -140,7 +142,18 @@ def _piece(
             phones[-1] = Interval(phones[-1].start, end, phones[-1].label)
     phones = [phone for phone in phones if phone.label != PAUSE and phone.duration > 0]
     starts = {character: place / rate for place, character in part["words"]}
-    return Piece(samples, phones, words_in_time(sentence.words, _characters(sentence), starts, phones), sentence)
+    words = words_in_time(sentence.words, _characters(sentence), starts, phones)
+    return Piece(samples, _joined(phones, words), words, sentence)
+
+
+def _joined(phones: Sequence[Interval], words: Sequence[Interval]) -> list[Interval]:
+    """Phones without the moment of silence before a trill inside a word (Italian *grazie*): it is the stop's."""
+    found = list(phones)
+    for place, (one, after) in enumerate(pairwise(phones)):
+        inside = any(word.start < one.end and after.start < word.end for word in words)
+        if inside and 0 < after.start - one.end < _LEAST_PAUSE:
+            found[place] = Interval(one.start, after.start, one.label)
+    return found
 
 
 def _characters(sentence: Sentence) -> list[int]:

@@ -23,7 +23,7 @@ ENGLISH = "en-US"
 _COMMON = ("ipa",)
 _READERS = ("letters", "espeak")
 _CEDILLA = "\u0327"  # part of a letter, as in ç
-_MARKS = "ːˑˈˌ.ʰʲʷʼ˞‿-"
+_MARKS = 'ːˑˈˌ.ʰʲʷʼ˞‿-"^'  # the last two are eSpeak's own
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,13 @@ class _Reader:
         spaced = "|".join(re.escape(name) for name in self.short if " " in name)
         if spaced:
             yield "short", rf"(?i:(?<!\w)(?:{spaced}))"
-        yield "phone", r"\+\d[\d /()-]{6,20}\d|(?<![\w.,:])0\d{1,5}(?:[ /-]\d{2,10}){1,5}(?![\w.,:])"
+        if table.get("phone") == "pairs":
+            yield "pairs", r"(?<![\w.,:])(?:\+\d\d[ .-]?(?:\(0\))?[1-9]|0[1-9])(?:[ .-]?\d\d){4}(?![\w.,]?\d)"
+        yield (
+            "phone",
+            r"\+\d[\d /()-]{6,20}\d"
+            r"|(?<![\w.,:])(?!\d\d(?P<pp>[/-])\d\d(?P=pp)\d\d)0\d{1,5}(?:[ /-]\d{2,10}){1,5}(?![\w.,:])",
+        )
         if "date" in table:
             yield "iso", rf"(?<!\d)(?P<iy>\d{{4}})(?P<is>[-/])(?P<im>{month})(?P=is)(?P<id>{day})(?!\d)"
             if table.get("day_first", True):
@@ -171,9 +177,13 @@ class _Reader:
         if fractions:
             yield "fraction", rf"(?<![\w/.,])(?:{fractions})(?![\w/]|[.,]\d)"
         if self.counters:  # not a fraction: 3分の1
-            named = "|".join(sorted((sign for sign in self.counters if len(sign) > 1), key=len, reverse=True))
-            signs = "|".join(sign for sign in self.counters if len(sign) == 1)
-            yield "counter", rf"{start}(?:{named}|(?P<cn>\d{{1,4}})(?P<cw>{signs}))(?!の\d)"
+            longest = sorted(self.counters, key=len, reverse=True)
+            named = "|".join(sign for sign in longest if sign[0].isdigit())
+            signs = "|".join(sign for sign in longest if not sign[0].isdigit())
+            yield (
+                "counter",
+                rf"{start}(?:(?P<ci>{named})|(?P<cn>\d{{1,4}})(?P<cw>{signs}))(?P<ck>{table['stretch'].split()[0]})?(?!の\d)",
+            )
         if "ranked_after" in table:
             before = "|".join(rf"(?<=\b{word} )" for word in table["ranked_after"])
             yield "ranked", rf"(?i:{before})(?P<rn>\d{{1,3}})\.(?=[ \u00a0]{table['ranked_noun']})"
@@ -231,6 +241,17 @@ class _Reader:
     def _phone(self, match: re.Match[str]) -> str:
         plus = self.signs.get("+", "plus") + " " if match.group()[0] == "+" else ""
         return plus + self.numbers.digits(match.group())
+
+    def _pairs(self, match: re.Match[str]) -> str:
+        """A French telephone number: figures by twos, each pair a number (06 12 34 56 78)."""
+        figures = re.sub(r"\D", "", match.group().replace("(0)", ""))
+        parts = [figures[:2], figures[2:3], *re.findall("..", figures[3:])]
+        if match.group()[0] != "+":
+            parts = re.findall("..", figures)
+        plus = self.signs.get("+", "plus") + " " if match.group()[0] == "+" else ""
+        return plus + " ".join(
+            self.numbers.digits(part) if part[0] == "0" else self.numbers.plain(part) for part in parts
+        )
 
     def _iso(self, match: re.Match[str]) -> str | None:
         return self._day(match, match["id"], match["im"], match["iy"])
@@ -355,12 +376,15 @@ class _Reader:
         return self.numbers.fill(f"{{n:{rule}}}", n=int(match["rn"]))
 
     def _counter(self, match: re.Match[str]) -> str:
-        """A number and what is counted, whose sounds change each other: only the last figure matters."""
-        if match["cw"] is None:
-            return self.counters[match.group()]
-        number, forms = int(match["cn"]), self.counters[match["cw"]].split()
-        if f"{number}{match['cw']}" in self.counters:  # full-width figures
-            return self.counters[f"{number}{match['cw']}"]
+        """A number and what is counted, and whether it is a stretch of time."""
+        said = self.counters[match["ci"]] if match["ci"] else self._counted(int(match["cn"]), match["cw"])
+        return said + (self.table["stretch"].split()[1] if match["ck"] else "")
+
+    def _counted(self, number: int, sign: str) -> str:
+        """The sounds of a number and its counter change each other: only the last figure matters."""
+        forms = self.counters[sign].split()
+        if f"{number}{sign}" in self.counters:  # full-width figures
+            return self.counters[f"{number}{sign}"]
         rest, last = divmod(number, 10)
         if last:
             return (self.numbers.spelled(rest * 10) if rest else "") + forms[last]
