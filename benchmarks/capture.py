@@ -202,7 +202,7 @@ def captured(corpus: Corpus, name: str) -> tuple[MarkerTrack, np.ndarray]:
     """Markers of a take, and its weights by the solver as it is now."""
     person = people_of(corpus)[corpus.entries[name]["speaker"]]
     markers = corpus.motion(name)[0]
-    return markers, capture_take(markers, person.layout, head=person).channels.values
+    return markers, capture_take(markers, person.layout, head=person, spoken=True).channels.values
 
 
 def recordings(corpus: Corpus, count: int) -> list[str]:

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from capture import made_head, slope, tracked  # benchmarks/capture.py, beside this file
 from mien.capture.capture import capture_take
-from mien.capture.person import fit_person
+from mien.capture.spoken import fit_speaker
 from mien.core.audio import Audio
 from mien.core.channels import ALL, WEIGHTS
 from mien.core.files import replace_when_complete
@@ -143,11 +143,11 @@ def takes_of(takes: Sequence[Take], style: Style, cache: Path) -> list[Take]:
     """What a corpus of the made speaker has: markers, and channels captured from them."""
     camera = Camera(style, cache)
     tracks = [camera.seen(take) for take in takes]
-    person = fit_person(tracks[:30], "mediapipe-218")
+    person = fit_speaker(tracks[:30], "mediapipe-218")
     found = []
     for take, track in zip(takes, tracks, strict=True):
         own = replace(take, markers=track, speaker=str(style.head), channels=None, captured=False)
-        found.append(replace(own, channels=capture_take(own, head=person).channels, captured=True))
+        found.append(replace(own, channels=capture_take(own, head=person, spoken=True).channels, captured=True))
     return found
 
 

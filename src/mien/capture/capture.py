@@ -12,6 +12,7 @@ from mien.capture.knowledge import knowledge
 from mien.capture.layouts import Layout
 from mien.capture.person import Person, fit_person
 from mien.capture.solver import Priors, Solver
+from mien.capture.spoken import solve_spoken
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
@@ -78,6 +79,7 @@ def capture_take(
     source: str = "tracker",
     head: Person | None = None,
     priors: Priors | None = None,
+    spoken: bool = False,
 ) -> Captured:
     """Capture a face from its markers.
 
@@ -97,6 +99,8 @@ def capture_take(
         theirs that this recording never shows are done without.
     priors : Priors, optional
         What is held against a solution.
+    spoken : bool
+        It shows plain speech: of the jaw that a tracker reports a part is believed (`mien.capture.spoken`).
 
     Raises
     ------
@@ -119,7 +123,11 @@ def capture_take(
     kept = [n for n, name in enumerate(head.markers) if name in place and there[place[name]]]
     known = head if len(kept) == len(head.markers) else head.with_markers(kept)
     positions, filled = _filled(track.positions[:, [place[name] for name in known.markers]], known.markers)
-    solved = Solver(known, priors).solve(positions, float(track.rate.fps))
+    fps = float(track.rate.fps)
+    if spoken and known.source == "tracker":
+        solved = solve_spoken(known, positions, fps, priors)
+    else:
+        solved = Solver(known, priors).solve(positions, fps)
     values = np.zeros((len(track), len(WEIGHTS)))
     values[:, [WEIGHTS.index(name) for name in head.channels]] = solved.weights
     heard = known.region >= 0

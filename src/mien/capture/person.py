@@ -71,6 +71,8 @@ class Person:
     noise : ndarray, shape (markers, 3)
         Standard deviation from frame to frame, measured, mm.
     openings : tuple of Seen
+    depth : float
+        How much of the lips' motion in depth a tracker reports (`mien.capture.spoken.reported_depth`); 0: not known.
     """
 
     layout: str
@@ -84,6 +86,7 @@ class Person:
     region: NDArray[np.int64]
     noise: Floats
     openings: tuple[Seen, ...]
+    depth: float = 0.0
 
     def with_markers(self, kept: Sequence[int]) -> Person:
         """The same person known by some of the markers (numbers) only.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.kernel import descend
-from mien.capture.knowledge import knowledge, source_named
+from mien.capture.knowledge import Source, knowledge, source_named
 from mien.capture.openings import wanted
 from mien.capture.person import Person
 
@@ -79,11 +79,13 @@ class Solver:
     ----------
     person : Person
     priors : Priors, optional
+    source : Source, optional
+        What the recording shows of motion; the person's own if not given.
     """
 
-    def __init__(self, person: Person, priors: Priors | None = None) -> None:
+    def __init__(self, person: Person, priors: Priors | None = None, source: Source | None = None) -> None:
         self.person, self.priors = person, priors or Priors()
-        source, known = source_named(person.source), knowledge()
+        source, known = source or source_named(person.source), knowledge()
         self._channels = person.channels
         index = {name: number for number, name in enumerate(self._channels)}
         basis = person.basis * np.array(source.gain)
@@ -124,15 +126,18 @@ class Solver:
             for j, o in enumerate(person.openings)
         ]
 
-    def solve(self, positions: Floats, fps: float) -> Solved:
-        """Weights for every frame of ``positions`` (frames, markers, 3), of ``person.markers``, mm as recorded."""
+    def solve(self, positions: Floats, fps: float, most: Floats | None = None) -> Solved:
+        """Weights for every frame of ``positions`` (frames, markers, 3), of ``person.markers``, mm as recorded.
+
+        ``most``: bounds (frames, channels); jawOpen's is of what it does beyond mouthClose.
+        """
         person, priors = self.person, self.priors
         placed = positions @ person.turn.T
         asked = placed - person.neutral @ person.turn.T
         goal = np.einsum("tm,km->tk", asked.reshape(len(asked), -1), self._weighed)
         open_goal, open_weight = self._opening_goals(placed)
         weights = np.zeros_like(goal)
-        upper = np.ones_like(goal)
+        upper = np.ones_like(goal) if most is None else most
         steady = held = np.full_like(goal, priors.steady * (fps / 30.0) ** 2)
         price = np.full_like(goal, priors.price) * self._cost
         for _ in range(priors.rounds):
@@ -152,7 +157,7 @@ class Solver:
             price = priors.price * self._cost / (1 + calm / priors.knee)
             pace = np.abs(np.diff(calm, axis=0, prepend=calm[:1])) * (fps / 30.0)
             steady = held / (1 + (pace / priors.brisk) ** 2)
-        upper = self._apart(weights)
+        upper = np.minimum(self._apart(weights), upper)
         np.minimum(weights, upper, out=weights)
         descend(
             self._gram, goal - price, upper, steady, self._openings, open_goal, open_weight, weights, _STILL, _SWEEPS

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -23,27 +23,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.capture import capture_take
-from mien.capture.person import Person, fit_person
+from mien.capture.person import Person
 from mien.capture.person_file import arrays_of, person_from, stamp_of
+from mien.capture.spoken import fit_speaker
 from mien.core.assets import asset
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import replace_when_complete
 from mien.core.limits import load_arrays
-from mien.core.tracks import ChannelTrack
 from mien.corpus.recordings import Corpus
 from mien.corpus.workers import each
 
-__all__ = ["CaptureReport", "capture_corpus", "people_of", "raised_jaw", "source_of"]
+__all__ = ["CaptureReport", "capture_corpus", "people_of", "source_of"]
 
-SOLVER = "4"
+SOLVER = "5"
 """Raise it when takes captured by older code should be captured again; what it reads is told apart by itself."""
 _READS = ("capture/solver.toml", "faces/default.npz", "fitting/default.npz")
 _ENOUGH = 24  # takes to know a person by
 _PEOPLE = "people.npz"
 _SEEN = 0.5  # share of its positions that a recording must have to tell what the person looks like
 _BY_CAMERA = "mediapipe-218"
-_BELIEVED = 0.25
-"""Hand-made: how much of a jaw that is open behind shut lips is believed of one camera."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ def _met(corpus: Corpus, speaker: str, names: list[str]) -> tuple[Person, list[N
     tracks = [markers for markers, *_ in motions]
     whole = [track for track in tracks if np.isfinite(track.positions).mean() > _SEEN] or tracks
     layout = str(corpus.about.get("layout", ""))
-    return fit_person(whole, layout, source_of(layout, motions[0][1])), notes
+    return fit_speaker(whole, layout, source_of(layout, motions[0][1])), notes
 
 
 def _spread(names: list[str]) -> Iterable[str]:
@@ -243,29 +241,4 @@ def _capture_and_write(job: _Job) -> None:
     corpus = Corpus.files_only(Path(job.corpus))
     person = _person(job.corpus, job.speaker, job.stamp.split()[1])
     markers = corpus.motion(job.name)[0]
-    channels = capture_take(markers, person.layout, head=person).channels
-    corpus.write_channels(job.name, raised_jaw(channels) if person.source == "tracker" else channels, job.stamp)
-
-
-def raised_jaw(channels: ChannelTrack) -> ChannelTrack:
-    """The same lips over a jaw that is not open behind them.
-
-    A tracker infers much of the chin from the lips: GRID's reports 5 mm of lowering at an /s/, where people's teeth
-    all but meet. Capture explains such a chin by an open jaw whose lips ``mouthClose`` holds together. The two in
-    equal parts hardly move the lips, so most of that pair is taken away again, at every phone alike.
-
-    Examples
-    --------
-    >>> from mien.core.timeline import FrameRate
-    >>> track = ChannelTrack(("jawOpen", "mouthClose"), np.array([[0.30, 0.20], [0.30, 0.0]]), FrameRate.of(25))
-    >>> raised_jaw(track).values.round(2).tolist()
-    [[0.15, 0.05], [0.3, 0.0]]
-    """
-    if not {"jawOpen", "mouthClose"} <= set(channels.names):
-        return channels
-    jaw, close = (channels.names.index(name) for name in ("jawOpen", "mouthClose"))
-    values = channels.values.copy()
-    taken = np.minimum((1 - _BELIEVED) * values[:, close], values[:, jaw])
-    values[:, jaw] -= taken
-    values[:, close] -= taken
-    return replace(channels, values=values)
+    corpus.write_channels(job.name, capture_take(markers, person.layout, head=person, spoken=True).channels, job.stamp)

@@ -228,6 +228,8 @@ def _speech_arrays(motion: SpeechMotion) -> Arrays:
         spread = motion.spread_
         arrays["speech/spread"] = np.stack([spread.centre_, spread.gain_, spread.sharpness_])
     arrays["speech/closing"] = motion.closure_.closing_
+    if motion.delays_.any():
+        arrays["speech/delays"] = motion.delays_
     for phone, offsets in motion.edits_.items():
         arrays[f"speech/edits/{phone}"] = offsets
     return arrays
@@ -324,6 +326,7 @@ def _speech_from(content: Mapping[str, Any], arrays: Arrays) -> SpeechMotion:
     motion.closure_.apart_, motion.closure_.delay_ = content["closure"]["apart"], content["closure"]["delay"]
     coverage = content["coverage"]
     motion.coverage_ = Coverage(coverage["least"]).restore(_split(coverage["triphones"]), _split(coverage["diphones"]))
+    motion.delays_ = arrays.get("speech/delays", np.zeros(len(motion.space_.axes_)))
     motion.edits_ = {phone: arrays[f"speech/edits/{phone}"] for phone in content["edited"]}
     return motion
 

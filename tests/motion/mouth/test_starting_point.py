@@ -29,13 +29,18 @@ SETTINGS = LearningSettings(
 )
 
 
-def spoken(count: int, seed: int = 0, jaw: float = 1.0, rounding: float = 1.0) -> list[Take]:
-    """Takes of a made-up speaker in channels: opening and rounding of `tests.motion.speaking`, times two gains."""
+def spoken(count: int, seed: int = 0, jaw: float = 1.0, rounding: float = 1.0, late: float = 0.0) -> list[Take]:
+    """Takes of a made-up speaker in channels: opening and rounding of `tests.motion.speaking`, times two gains.
+
+    Rounding comes ``late`` seconds later.
+    """
     made = []
     for take in takes(count, seed, noise=0.0):
         positions = take.markers.positions
         opening = np.linalg.norm(positions[:, 0] - positions[:, 1], axis=1)
         narrow = 24 - positions[:, 4, 0] - 0.1 * opening
+        frames = np.arange(len(narrow))
+        narrow = np.interp(frames - late * take.markers.rate.fps, frames, narrow)
         weights = np.stack([jaw * opening / 36, rounding * narrow / 8], axis=1).clip(0, 1)
         made.append(replace(take, channels=ChannelTrack(("jawOpen", "mouthPucker"), weights, take.markers.rate)))
     return made
@@ -93,3 +98,18 @@ def test_markers_are_nothing_to_start_from() -> None:
     markers = SpeechMotion(replace(SMALL, learn_in="markers")).fit(takes(6))
     with pytest.raises(InputError, match="learned in markers"):
         SpeechMotion(SMALL).fit(spoken(2), prior=markers)
+
+
+def test_lips_that_come_late_are_found(known: SpeechMotion) -> None:
+    person = SpeechMotion(SMALL).fit(spoken(4, seed=9, late=0.08), prior=known)
+    assert person.delays_.any()
+    made, recorded = [], []
+    for take in spoken(4, seed=50, late=0.08):
+        assert take.channels is not None
+        made.append(person.synthesise(take.phones, take.markers.rate.times(len(take.markers)))[:, 1])
+        recorded.append(take.channels.values[:, 1])
+    one, other, frames = np.concatenate(made), np.concatenate(recorded), np.arange(len(np.concatenate(made)))
+    lags = np.arange(-4, 5)
+    best = max(lags, key=lambda lag: np.corrcoef(other, np.interp(frames - lag, frames, one))[0, 1])
+    assert best == 0
+    assert not SpeechMotion(SMALL).fit(spoken(4, seed=9), prior=known).delays_.any()

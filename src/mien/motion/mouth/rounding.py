@@ -16,10 +16,12 @@ __all__ = ["ROUND", "rounded"]
 ROUND = ("W", "UW", "UH", "OW", "OY", "AO")
 """Phones whose lips are round."""
 _PUCKER = "mouthPucker"
+_THIN = ("mouthRollUpper", "mouthRollLower", "mouthFrownLeft", "mouthFrownRight")
+"""What makes lips thin or draws their corners down, by which a capture may explain an upper lip that comes forward."""
 
 
 def rounded(motion: SpeechMotion, like: SpeechMotion, phones: Sequence[str] = ROUND) -> SpeechMotion:
-    """The same model with the lips of some key shapes as round as another speaker's, where that is more.
+    """The same model with the lips of some key shapes as round and full as another speaker's, where that is more.
 
     Both learned in channels.
 
@@ -31,9 +33,13 @@ def rounded(motion: SpeechMotion, like: SpeechMotion, phones: Sequence[str] = RO
     >>> bool((made.key_shapes("UW") >= mandarin.key_shapes("UW") - 1e-3).all())  # never less round
     True
     """
-    own, other = (each.mouth_.names.index(_PUCKER) for each in (motion, like))
+    names, theirs = motion.mouth_.names, like.mouth_.names
+    own, other = names.index(_PUCKER), theirs.index(_PUCKER)
     for phone in phones:
-        shapes = motion.key_shapes(phone)
-        shapes[:, own] = np.maximum(shapes[:, own], like.key_shapes(phone)[:, other])
+        shapes, round_ones = motion.key_shapes(phone), like.key_shapes(phone)
+        shapes[:, own] = np.maximum(shapes[:, own], round_ones[:, other])
+        for thin in (name for name in _THIN if name in names):
+            most = round_ones[:, theirs.index(thin)] if thin in theirs else 0.0
+            shapes[:, names.index(thin)] = np.minimum(shapes[:, names.index(thin)], most)
         motion = motion.with_key_shape(phone, shapes)
     return motion

@@ -95,11 +95,14 @@ class SpeechMotion:
     coverage_ : Coverage
     edits_ : dict of str to ndarray, shape (parts, strands)
         What `with_key_shape` added to the targets of a phone.
+    delays_ : ndarray, shape (components,)
+        Seconds by which components come later than the models answer (`mien.motion.mouth.starting_point`).
     """
 
     def __init__(self, settings: SpeechMotionSettings | None = None) -> None:
         self.settings = settings or SpeechMotionSettings()
         self.edits_: dict[str, Floats] = {}
+        self.delays_: Floats = np.zeros(self.settings.components)
 
     @property
     def epochs(self) -> int:
@@ -134,11 +137,11 @@ class SpeechMotion:
             self.settings, space = prior.settings, joined_space(prior, takes)
             mouths = recorded_mouths(takes, MARGIN, space)
             self.mouth_, start = space, StartingPoint.of(prior, mouths, space)
-            self.edits_ = dict(prior.edits_)
+            self.edits_, self.delays_ = dict(prior.edits_), start.delays
         rows = np.concatenate([mouth.rows for mouth in mouths])
         emphasis = self.mouth_.emphasis()
         self.space_ = EMPCA(self.settings.components).fit(rows, emphasis) if start is None else start.space
-        components = self.space_.encode(rows) if start is None else self.space_.encode(rows) - start.edits
+        components = self.space_.encode(rows) if start is None else self._undelayed(rows, mouths, start.edits)
         curves = InfluenceCurves(self.settings.influence)
         placed = [curves.place(mouth.phones, mouth.times) for mouth in mouths]
         self.curves_ = curves.fit(placed, components, after_epoch, None if start is None else start.curves)
@@ -155,6 +158,18 @@ class SpeechMotion:
         if prior is not None:
             self.coverage_ = self.coverage_.joined(prior.coverage_)
         return self
+
+    def _undelayed(self, rows: Floats, mouths: Sequence[RecordedMouth], edits: Floats) -> Floats:
+        """Components that curves and networks have to answer: without edits, and as early as they are."""
+        components = self.space_.encode(rows) - edits
+        begin = 0
+        for mouth in mouths:
+            own = slice(begin, begin + len(mouth.times))
+            begin = own.stop
+            for number in np.flatnonzero(self.delays_):
+                later = mouth.times + self.delays_[number]
+                components[own, number] = np.interp(later, mouth.times, components[own, number])
+        return components
 
     def explicit(self, takes: Sequence[Take]) -> SpeechMotion:
         """The influence curves of this model alone, as if they had been learned from the same takes without network."""
@@ -222,6 +237,13 @@ class SpeechMotion:
         if len(times) > BLOCK:
             blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
             return np.concatenate([self.components(phones, block) for block in blocks])
+        answer = np.empty((len(times), len(self.delays_)))
+        for delay in np.unique(self.delays_):
+            answer[:, self.delays_ == delay] = self._answered(phones, times - delay)[:, self.delays_ == delay]
+        return answer
+
+    def _answered(self, phones: Tier, times: Floats) -> Floats:
+        """What curves and networks answer."""
         parts = self.curves_.place(phones, times)
         learned = self.curves_.components(parts)
         share = self.settings.correction_share

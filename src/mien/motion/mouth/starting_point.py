@@ -10,11 +10,15 @@ frames had shown them: this is how far this person opens, rounds and spreads, an
 written as the axes of the pose space that lie nearest to it, so that a component keeps its meaning, times a small
 matrix, which goes into the curves and networks. From there they go on learning, held to where they started as if
 `FRAMES_HELD` frames more said so: with many takes little of the start is left.
+
+Lips may come later than the other performer's, or earlier, while the jaw does not: each component may be answered a
+little later or earlier, ``c_k(t - d_k)``, where that leaves less of what was recorded (`DELAYS`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -40,6 +44,13 @@ FRAMES_HELD = 60
 """Frames that the other performer's axes count as."""
 MEAN_SHARE = 1 / 6
 """Of that, what its mean counts as: people differ more at rest than in how they move."""
+
+DELAYS = np.arange(-4, 5) * 0.02
+"""Seconds (d) that are tried."""
+LEAST_GAIN = 0.01
+"""Share of what is left of the recorded motion that a delay has to take away."""
+DELAY_TAKES = 40
+"""Takes in which delays are looked for, at most."""
 
 Floats = NDArray[np.float64]
 
@@ -72,6 +83,8 @@ class StartingPoint:
     edits : ndarray, shape (frames, components)
         What key shapes of the other performer that were changed add in the frames of the takes.
     closure : LipClosure
+    delays : ndarray, shape (components,)
+        Seconds by which each component comes later than curves and networks answer.
     """
 
     space: EMPCA
@@ -79,21 +92,19 @@ class StartingPoint:
     correction: Correction | None
     edits: Floats
     closure: LipClosure
+    delays: Floats
 
     @classmethod
     def of(cls, prior: SpeechMotion, mouths: Sequence[RecordedMouth], space: ChannelSpace) -> StartingPoint:
         """Lay a performer's motion on recorded mouths."""
-        rows = np.concatenate([mouth.rows for mouth in mouths])
-        answered = np.concatenate([prior.components(mouth.phones, mouth.times) for mouth in mouths])
-        count = answered.shape[1]
+        count = len(prior.space_.axes_)
         poses = _in_space(prior, space, prior.space_.decode(np.concatenate([np.zeros((1, count)), np.eye(count)])))
         mean, axes = poses[0], poses[1:] - poses[0]
-        one = np.ones((len(rows), 1))
-        seen = np.concatenate([one, answered], axis=1)
-        held = FRAMES_HELD * np.concatenate([[MEAN_SHARE], np.maximum(prior.space_.variances_, 1e-9)])
-        away = rows - mean - answered @ axes
-        change = np.linalg.solve(seen.T @ seen + np.diag(held), seen.T @ away)
-        mean, axes = mean + change[0], axes + change[1:]
+        later = copy(prior)
+        later.delays_ = prior.delays_ + _delays(prior, mouths, mean, axes)
+        rows = np.concatenate([mouth.rows for mouth in mouths])
+        answered = np.concatenate([later.components(mouth.phones, mouth.times) for mouth in mouths])
+        mean, axes, _ = _laid(prior, rows, answered, mean, axes)
         poses_space = _nearest_axes(mean, axes, rows)
         way = axes @ poses_space.axes_.T
         curves = InfluenceCurves(prior.curves_.settings)
@@ -104,9 +115,44 @@ class StartingPoint:
             correction.layers_ = [
                 [*layers[:-1], (layers[-1][0] @ way, layers[-1][1] @ way)] for layers in prior.correction_.layers_
             ]
-        plain = np.concatenate([prior.unedited(mouth.phones, mouth.times) for mouth in mouths])
+        plain = np.concatenate([later.unedited(mouth.phones, mouth.times) for mouth in mouths])
         edits = (answered - plain) @ way
-        return cls(poses_space, curves, correction, edits, _closure_in(prior, space))
+        return cls(poses_space, curves, correction, edits, _closure_in(prior, space), later.delays_)
+
+
+def _laid(
+    prior: SpeechMotion, rows: Floats, answered: Floats, mean: Floats, axes: Floats
+) -> tuple[Floats, Floats, float]:
+    """Mean and axes that lay what is answered on rows, held to those given; the squares of what is left."""
+    seen = np.concatenate([np.ones((len(rows), 1)), answered], axis=1)
+    held = FRAMES_HELD * np.concatenate([[MEAN_SHARE], np.maximum(prior.space_.variances_, 1e-9)])
+    away = rows - mean - answered @ axes
+    change = np.linalg.solve(seen.T @ seen + np.diag(held), seen.T @ away)
+    left = float(((away - seen @ change) ** 2).sum())
+    return mean + change[0], axes + change[1:], left
+
+
+def _delays(prior: SpeechMotion, mouths: Sequence[RecordedMouth], mean: Floats, axes: Floats) -> Floats:
+    """Seconds by which each component comes later in recorded mouths than it is answered, shape (components,)."""
+    chosen = mouths[:: -(-len(mouths) // DELAY_TAKES)]
+    rows = np.concatenate([mouth.rows for mouth in chosen])
+    tried = [np.concatenate([prior.components(m.phones, m.times - delay) for m in chosen]) for delay in DELAYS]
+    now = len(DELAYS) // 2
+    answered, places = tried[now].copy(), np.full(len(axes), now)
+    least = _laid(prior, rows, answered, mean, axes)[2]
+    for component in np.argsort(-prior.space_.variances_, kind="stable"):
+        before = answered[:, component].copy()
+        left = []
+        for one in tried:
+            answered[:, component] = one[:, component]
+            left.append(_laid(prior, rows, answered, mean, axes)[2])
+        best = int(np.argmin(left))
+        if left[best] < (1 - LEAST_GAIN) * least:
+            places[component], least = best, left[best]
+            answered[:, component] = tried[best][:, component]
+        else:
+            answered[:, component] = before
+    return np.asarray(DELAYS[places])
 
 
 def _in_space(prior: SpeechMotion, space: ChannelSpace, rows: Floats) -> Floats:
