@@ -1,4 +1,5 @@
 // The server, as functions. Every failure is an ApiError with one line for the person and the field it concerns.
+import type { FoldData } from './folds';
 import type { PartShape } from './rig/editor';
 import type { Influences, TreeData } from './rig/tree';
 import type { About, History, Job, Layer, Listed, Take, TakeRequest } from './types';
@@ -42,6 +43,12 @@ export async function frames(id: string, kind: 'plain' | 'neutral' | 'edited', r
 
 export async function face(id: string): Promise<ArrayBuffer> {
   return (await ask(`/api/faces/${id}.glb`)).arrayBuffer();
+}
+
+/** The folds of a face's skin; null where it has none. */
+export async function folds(id: string): Promise<FoldData | null> {
+  const told = await read<FoldData | Record<string, never>>(`/api/faces/${id}/folds`);
+  return 'folds' in told ? told as FoldData : null;
 }
 
 export interface ListedFace { face: string; name: string; own: boolean; picture?: boolean; report?: unknown }

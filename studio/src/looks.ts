@@ -1,6 +1,6 @@
 // Lights, cameras and skin. Hand-made by eye.
 import {
-  Color, DirectionalLight, Group, HemisphereLight, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material,
+  DirectionalLight, Group, HemisphereLight, MeshLambertMaterial, MeshStandardMaterial, Vector3, type Material,
 } from 'three';
 
 /** `full`: skin, reflections, shadows. `plain`: what a graphics card made of software can draw in time. */
@@ -79,47 +79,11 @@ function castShadow(lamp: DirectionalLight, size: number): void {
   lamp.shadow.radius = 5;
 }
 
-const SKIN = /skin|face|head|body|wolf3d_(head|body)/i;
-const NOT_SKIN = /hair|brow|lash|teeth|tooth|tongue|eye|cloth|shirt/i;
-
-/** The same surface as skin where its name says so: light runs a little around the edge into the shade, red farthest. */
-export function dressed(material: Material, quality: Quality): Material {
+/** A surface as software can draw it in time. */
+export function matt(material: Material): Material {
   if (!(material instanceof MeshStandardMaterial)) return material;
-  if (quality === 'plain') return matt(material);
-  material.envMapIntensity = 1;
-  if (!SKIN.test(material.name) || NOT_SKIN.test(material.name)) return material;
-  const skin = new MeshPhysicalMaterial();
-  MeshStandardMaterial.prototype.copy.call(skin, material);
-  skin.name = material.name;
-  skin.roughness = Math.max(material.roughness, 0.5);
-  skin.specularIntensity = 0.7;
-  skin.sheen = 0.22;
-  skin.sheenRoughness = 0.45;
-  skin.sheenColor = new Color(0xffc9ae);
-  skin.onBeforeCompile = (shader) => {
-    shader.fragmentShader = shader.fragmentShader.replace('#include <lights_physical_pars_fragment>', SCATTER);
-  };
-  return skin;
-}
-
-function matt(material: MeshStandardMaterial): Material {
   const { name, color, map, vertexColors, side, transparent, opacity, alphaTest, alphaMap } = material;
   const plain = new MeshLambertMaterial({ color, map, vertexColors, side, transparent, opacity, alphaTest, alphaMap });
   plain.name = name;
   return plain;
 }
-
-// three.js's own diffuse term, with the cosine wrapped around by a share per colour (Green 2004, "Real-time approximations
-// to subsurface scattering", GPU Gems 16).
-const SCATTER = /* glsl */ `
-#include <lights_physical_pars_fragment>
-#undef RE_Direct
-void RE_Direct_Skin( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
-  RE_Direct_Physical( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
-  float plainCosine = dot( geometryNormal, directLight.direction );
-  vec3 wrap = vec3( 0.30, 0.12, 0.07 );
-  vec3 wrapped = max( ( vec3( plainCosine ) + wrap ) / ( ( 1.0 + wrap ) * ( 1.0 + wrap ) ), vec3( 0.0 ) );
-  reflectedLight.directDiffuse += ( wrapped - max( plainCosine, 0.0 ) ) * directLight.color * BRDF_Lambert( material.diffuseContribution );
-}
-#define RE_Direct RE_Direct_Skin
-`;

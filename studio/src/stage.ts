@@ -1,13 +1,14 @@
 // The face in its light: three.js, drawn only when something has changed.
-import { FaceRig, frameBox, movingBox, type Recipe } from 'mien-viewer';
+import { dressFace, FaceRig, frameBox, movingBox, type Recipe } from 'mien-viewer';
 import {
   ACESFilmicToneMapping, Box3, Group, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene, SRGBColorSpace,
   Vector2, Vector3, WebGLRenderer, type Intersection, type Material, type Object3D, type Texture,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
-import { dressed, LIGHTINGS, lampsOf, VIEWS, type Quality, type View } from './looks';
+import { LIGHTINGS, lampsOf, matt, VIEWS, type Quality, type View } from './looks';
 import { readFace } from './loaders';
+import { Folds, type FoldData } from './folds';
 import { takeOver, type SparseMorphs } from './sparse_morphs';
 import { FrameTimes } from './frame_times';
 
@@ -26,6 +27,7 @@ export class Stage {
   private readonly scene = new Scene();
   readonly quality: Quality;
   private face: Group | undefined;
+  private folds: Folds | undefined;
   private other: Object3D | undefined;
   private lamps = new Group();
   private box = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
@@ -65,8 +67,8 @@ export class Stage {
   /** Asks for a new picture. */
   touch(): void { this.dirty = true; }
 
-  /** Shows a GLB as the face; `recipes` say what drives its targets, where mien has found it out. */
-  async show(glb: ArrayBuffer, recipes?: Readonly<Record<string, Recipe>>): Promise<FaceRig> {
+  /** Shows a GLB as the face; `recipes` say what drives its targets, where mien has found it out; `folds` lie on its skin. */
+  async show(glb: ArrayBuffer, recipes?: Readonly<Record<string, Recipe>>, folds: FoldData | null = null): Promise<FaceRig> {
     const { scene } = await readFace(glb, this.renderer);
     const rig = new FaceRig(scene, recipes === undefined ? {} : { recipes });
     const meshes: Mesh[] = [];
@@ -74,8 +76,11 @@ export class Stage {
     for (const mesh of meshes) {
       mesh.frustumCulled = false;
       mesh.castShadow = mesh.receiveShadow = true;
-      mesh.material = Array.isArray(mesh.material) ? mesh.material.map((one) => dressed(one, this.quality)) : dressed(mesh.material, this.quality);
     }
+    dressFace(scene, this.quality === 'full' ? undefined : matt);
+    this.folds?.dispose();
+    this.folds = folds === null ? undefined : new Folds(folds);
+    this.folds?.lieOn(meshes);
     const region = movingBox(scene);
     this.morphs = takeOver(meshes);
     this.drop();
@@ -141,8 +146,13 @@ export class Stage {
 
   pose(channels: readonly string[], values: ArrayLike<number>): void {
     this.posed = [channels, values];
-    this.rig?.apply(channels, values);
+    this.moveTo(channels, values);
     this.touch();
+  }
+
+  private moveTo(channels: readonly string[], values: ArrayLike<number>): void {
+    this.rig?.apply(channels, values);
+    this.folds?.pose(channels, values);
   }
 
   /** A face at rest, moved by so much of an expression. */
@@ -159,7 +169,7 @@ export class Stage {
     const { width: side } = canvas;
     const [before, camera] = [this.posed, new PerspectiveCamera(FIELD, 1, this.camera.near, this.camera.far)];
     this.aim(camera, { around: 0, above: 1, fill: 1.5, height: 0.5 });
-    this.rig.apply(mask?.channels ?? [], mask?.values ?? []);
+    this.moveTo(mask?.channels ?? [], mask?.values ?? []);
     for (const morph of this.morphs) morph.update();
     const points = side / this.renderer.getPixelRatio();
     this.renderer.setScissorTest(true);
@@ -172,7 +182,7 @@ export class Stage {
     this.renderer.setScissorTest(false);
     const { clientWidth, clientHeight } = this.backdrop;
     this.renderer.setViewport(0, 0, clientWidth, clientHeight);
-    this.rig.apply(...before);
+    this.moveTo(...before);
     this.dirty = true;
     this.draw(false); // what is on the screen again
   }
@@ -253,7 +263,7 @@ export class Stage {
     this.camera.updateProjectionMatrix();
     this.renderer.setScissorTest(true);
     for (const half of [0, 1]) {
-      this.rig?.apply(...(half === 0 ? this.posed : [other.channels, other.values] as const));
+      this.moveTo(...(half === 0 ? this.posed : [other.channels, other.values] as const));
       this.renderer.setViewport((half * width) / 2, 0, width / 2, height);
       this.renderer.setScissor((half * width) / 2, 0, width / 2, height);
       this.picture();

@@ -2,6 +2,7 @@ export { contextClock, mediaClock, wallClock, type Clock } from './clocks.js';
 export { MienError } from './errors.js';
 export { frameBox, frameFace, movingBox, type FrameOptions } from './framing.js';
 export { readGlb } from './glb.js';
+export { dressFace, shaded } from './materials.js';
 export { MotionClip, type Facts, type Motion, type Span } from './motion.js';
 export { channelOf, recipesOf, type Recipe } from './names.js';
 export { readAnimation } from './native.js';

@@ -18,7 +18,7 @@ export class ExportPanel {
     const formats = about.formats ?? about.exports.map((suffix) => ({ suffix, title: '', loses: '' }));
     this.boxes = formats.map(({ suffix }) => make('input', { type: 'checkbox', value: suffix, checked: FIRST.includes(suffix), id: `format${suffix}` }));
     const rows = formats.map(({ suffix, title, loses }, place) => make('label', { class: 'format', title: loses === '' ? '' : `loses: ${loses}` },
-      this.boxes[place], make('b', {}, suffix), make('span', {}, title)));
+      this.boxes[place], make('b', {}, suffix.includes('%') ? '.png …' : suffix), make('span', {}, title)));
     const list = make('div', { class: 'formats', role: 'group', 'aria-label': 'Formats' }, ...rows);
     this.element.append(field('Formats', 'formats', list), make('div', { class: 'actions' }, this.go), this.results);
     this.element.addEventListener('submit', (event) => {

@@ -25,7 +25,7 @@ export class FacePanel {
     this.id = session.about.default_face;
     this.element.append(
       this.cast,
-      make('p', { class: 'help' }, 'Or a face of your own: any GLB or VRM whose morph targets are named like ARKit’s shapes or like visemes. Drop it anywhere.'),
+      make('p', { class: 'help' }, 'Or a face of your own, with morph targets named like ARKit’s shapes or like visemes, or a head that cannot move yet: it gets mien’s shapes. Drop it anywhere.'),
       make('div', { class: 'actions' }, make('label', { class: 'button', for: 'field-face' }, 'Open a GLB or VRM …'), this.file),
       make('p', { class: 'fault', id: 'fault-face', role: 'alert', hidden: true }), this.report, this.head.element);
     this.file.addEventListener('change', () => void this.upload(this.file.files?.[0]));
@@ -51,7 +51,8 @@ export class FacePanel {
 
   async show(id: string, recipes?: Record<string, Recipe>): Promise<void> {
     this.head.leave();
-    await this.stage.show(await api.face(id), recipes ?? this.known.get(id));
+    const [glb, folds] = await Promise.all([api.face(id), api.folds(id).catch(() => null)]);
+    await this.stage.show(glb, recipes ?? this.known.get(id), folds);
     if (recipes !== undefined) this.known.set(id, recipes);
     this.id = id;
     const placeholder = this.cast.querySelector(`[data-face="${CSS.escape(id)}"] .own`);
@@ -75,13 +76,20 @@ export class FacePanel {
     this.file.value = '';
     if (file === undefined) return;
     showFault('face', null);
+    let still = false;
     await this.session.work(async () => {
-      const { face, report } = await api.addFace(file, file.name);
+      const added = await api.addFace(file, file.name).catch((problem: unknown) => {
+        if (!(problem instanceof api.ApiError) || problem.field !== 'head') throw problem;
+        still = true;
+      });
+      if (added === undefined) return;
+      const { face, report } = added;
       const told = report as Report;
       this.reports.set(face, [file.name, told]);
       await this.list();
       await this.show(face, recipesOf(told));
     });
+    if (still) await this.head.open(file);
   }
 
   private tell(name: string, { meshes, nodes, verdict = 'This face can perform' }: Report): void {

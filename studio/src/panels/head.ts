@@ -9,7 +9,6 @@ const NEAR = 16; // px: so near a press takes hold of a point
 
 export class HeadPanel {
   readonly element = make('div', { class: 'head-fit' });
-  private readonly file = make('input', { type: 'file', accept: '.glb,.vrm,model/gltf-binary', class: 'visually-hidden', id: 'field-head' });
   private readonly steps = make('div', { hidden: true });
   private readonly list = make('ul', { class: 'marks', 'aria-label': 'Points on the face' });
   private head: api.Head | undefined;
@@ -19,19 +18,15 @@ export class HeadPanel {
 
   /** @param fitted shows the face that the head has become */
   constructor(private readonly session: Session, private readonly stage: Stage, private readonly fitted: (face: string) => Promise<void>) {
-    this.element.append(
+    this.element.append(this.steps);
+    this.steps.append(
       make('h3', {}, 'A head without shapes'),
-      make('p', { class: 'help' }, 'A GLB that cannot move yet gets mien’s shapes. You see where its features were found; drag a point that is not where it belongs.'),
-      make('div', { class: 'actions' }, make('label', { class: 'button', for: 'field-head' }, 'Open a head …'), this.file), this.steps);
-    this.steps.append(this.list, make('div', { class: 'actions' },
+      make('p', { class: 'help' }, 'It cannot move yet, and gets mien’s shapes. You see where its features were found: drag a point that is not where it belongs.'), this.list, make('div', { class: 'actions' },
       button('Back', () => this.leave()), button('Give it shapes', () => void this.fit(), { class: 'primary', id: 'fit-head' })));
-    this.file.addEventListener('change', () => void this.open(this.file.files?.[0]));
     (stage.canvas.parentElement as HTMLElement).addEventListener('pointerdown', (event) => this.grab(event), { capture: true });
   }
 
-  async open(file: File | undefined): Promise<void> {
-    this.file.value = '';
-    if (file === undefined) return;
+  async open(file: File): Promise<void> {
     showFault('face', null);
     await this.session.work(async (signal) => {
       const done = await api.finished(await api.openHead(file), (told) => this.session.emit('busy', told), signal);

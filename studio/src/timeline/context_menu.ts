@@ -53,10 +53,15 @@ export function showMenu(x: number, y: number, items: readonly Item[]): void {
 
 document.addEventListener('pointerdown', (event) => { if (open !== undefined && !open.contains(event.target as Node)) closeMenu(); }, { capture: true });
 
-/** Asks for one line; null if nothing was given. */
-export function ask(title: string, value: string): Promise<string | null> {
+/** Asks for one line; null if nothing was given. `choices`: values that can be pressed instead, each with what it means. */
+export function ask(title: string, value: string, choices: readonly (readonly [string, string])[] = []): Promise<string | null> {
   const input = make('input', { type: 'text', value, 'aria-label': title });
-  const form = make('form', { method: 'dialog' }, make('h2', {}, title), input,
+  const grid = choices.map(([choice, meaning]) => {
+    const press = make('button', { type: 'button', class: 'small', 'aria-pressed': String(choice === value) }, make('b', {}, choice), ` ${meaning}`);
+    press.addEventListener('click', () => { input.value = choice; dialog.close('yes'); });
+    return press;
+  });
+  const form = make('form', { method: 'dialog' }, make('h2', {}, title), input, choices.length === 0 ? null : make('div', { class: 'choices' }, ...grid),
     make('div', { class: 'actions' }, make('button', { value: 'no' }, 'Cancel'), make('button', { value: 'yes', class: 'primary' }, 'OK')));
   const dialog = make('dialog', { class: 'help-dialog', 'aria-label': title }, form);
   input.addEventListener('keydown', (event) => {

@@ -4,6 +4,12 @@ import type { Span } from '../types';
 import { ask, type Item } from './context_menu';
 import { inserted, isPause, joined, removed, renamed, split, timesOf } from './speech_editing';
 
+/** The sounds of English as ARPAbet writes them, and a word that has each. */
+const PHONES: readonly (readonly [string, string])[] = (
+  'AA father|AE cat|AH cut|AO law|AW cow|AY eye|EH bed|ER bird|EY day|IH sit|IY see|OW go|OY boy|UH book|UW two|B bee|CH chin|D day|DH then|F fee|G go|HH he|JH joy|' +
+  'K key|L lay|M me|N no|NG sing|P pea|R read|S sea|SH she|T tea|TH thin|V vow|W we|Y yes|Z zoo|ZH vision|SIL pause'
+).split('|').map((one) => one.split(' ') as [string, string]);
+
 export class SpeechMenu {
   private readonly tier: readonly Span[];
 
@@ -22,7 +28,7 @@ export class SpeechMenu {
       ...(here === undefined ? [] : ([
         [`Rename “${name}” …`, () => void this.rename(place, here)], [`Split “${name}” here …`, () => void this.split(place, here)],
         ...(next === undefined ? [] : [[`Join with “${isPause(next[2]) ? 'pause' : next[2]}”`, (): void => this.keep(joined(tier, place, this.kind === 'words' ? `${here[2]}${next[2]}` : isPause(here[2]) ? next[2] : here[2]))] as const]),
-        [this.kind === 'phones' ? 'Make it a pause' : 'Remove the word', () => this.keep(removed(tier, place, this.kind === 'phones'))],
+        ...(this.kind === 'phones' && isPause(here[2]) ? [] : [[this.kind === 'phones' ? 'Make it a pause' : 'Remove the word', (): void => this.keep(removed(tier, place, this.kind === 'phones'))] as const]),
         [`Loop this ${what}`, () => this.loop([here[0], here[1]])],
       ] satisfies (readonly [string, () => void])[] as Item[])),
       ...(here === undefined && this.kind === 'words' ? [['Insert a word here …', () => void this.insert()] as Item] : []),
@@ -31,7 +37,7 @@ export class SpeechMenu {
   }
 
   private async rename(place: number, [, , label]: Span): Promise<void> {
-    const given = await ask(this.kind === 'words' ? 'What is the word?' : 'Which phone is it? (ARPAbet, such as AA, M, SIL)', label);
+    const given = await (this.kind === 'words' ? ask('What is the word?', label) : ask('Which sound is it?', label, PHONES));
     if (given !== null) this.keep(renamed(this.tier, place, this.kind === 'phones' ? given.toUpperCase() : given));
   }
 

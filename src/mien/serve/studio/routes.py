@@ -53,6 +53,7 @@ class Routes:
                 web.get("/api/about", self.about),
                 web.get("/api/faces/{id}.glb", self.face),
                 web.get("/api/faces/{id}.jpg", self.picture),
+                web.get("/api/faces/{id}/folds", self.folds),
                 web.post("/api/faces", self.add_face),
                 web.get("/api/faces", self.faces),
                 web.get("/api/expressions", self.expressions),
@@ -119,6 +120,11 @@ class Routes:
         """A small picture of one of mien's faces."""
         content = await asyncio.to_thread(self.shop.faces.picture, request.match_info["id"])
         return await packed(request, content, "image/jpeg", {"Cache-Control": "no-cache"})
+
+    async def folds(self, request: web.Request) -> web.Response:
+        """The folds of a face's skin; {} where it has none."""
+        told = await asyncio.to_thread(self.shop.faces.folds, request.match_info["id"])
+        return await packed(request, json.dumps(told).encode(), "application/json", {"Cache-Control": "no-cache"})
 
     async def add_face(self, request: web.Request) -> web.Response:
         """Keep a GLB of the user's."""

@@ -24,6 +24,7 @@ from mien.face.library import known_faces, load_face
 from mien.face.model import Face
 from mien.serve.studio.light_glb import light_glb
 from mien.serve.studio.lru_store import Kept, Missing, new_id
+from mien.serve.studio.page_folds import folds_of_face
 from mien.serve.studio.requests import FieldError
 from mien.serve.studio.settings import Limits
 
@@ -107,22 +108,26 @@ class FaceShelf:
         Raises
         ------
         FieldError
-            If it is none, or has no morph target that can be driven.
+            If it is none, or has no morph target that can be driven; of ``head`` if it has no target at all, so that
+            `mien.serve.studio.heads` may give it some.
         """
+        field = "face"
         from mien.face.foreign.known_face import known_face
 
         path = self._folder / new_id() / "face.glb"
         path.parent.mkdir()  # of its own: a GLB may name files beside it, and there are none
         path.write_bytes(content)
         try:
-            known_face(path).require_motion()
+            known = known_face(path)
+            field = "face" if known.moves or any(mesh.targets for mesh in known.meshes) else "head"
+            known.require_motion()
             face = ForeignFace(path, _checked_report(path), name or "a face of yours")
             about = json.dumps({"name": face.name, "report": face.report})
             with replace_when_complete(path.parent / "about.json") as unfinished:
                 unfinished.write_text(about, "utf-8")
         except InputError as problem:
             _removed(path)
-            raise FieldError("face", str(problem).replace(str(path), "the GLB")) from problem
+            raise FieldError(field, str(problem).replace(str(path), "the GLB")) from problem
         except BaseException:
             _removed(path)
             raise
@@ -131,6 +136,10 @@ class FaceShelf:
     def glb(self, name: str) -> bytes:
         """A face as GLB; raises `mien.serve.studio.lru_store.Missing`."""
         return self.own_glb(name) if name in known_faces() else self._foreign.get(name).path.read_bytes()
+
+    def folds(self, name: str) -> dict[str, Any]:
+        """The folds of a face's skin (`mien.serve.studio.page_folds`); nothing for an uploaded one."""
+        return folds_of_face(name) if name in known_faces() else {}
 
     def holds(self, name: str) -> bool:
         """Whether there is a face of this id."""

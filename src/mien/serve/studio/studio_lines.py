@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from mien.core.errors import InputError
@@ -98,10 +99,14 @@ def _closing(begun: str, rest: str) -> str:
     return "".join(f"</{name}>" for name in reversed(open_tags) if f"</{name}" in rest)
 
 
-def named(take: Take) -> str:
-    """What a new take is called: the beginning of its text."""
-    text = " ".join(re.sub(r"<[^<>]*>", "", take.animation.utterance.text).split())
-    return f"{text[:40]} …" if len(text) > 42 else text or "take"
+def named(take: Take, others: Collection[str] = ()) -> str:
+    """What a new take is called: the beginning of its text by whole words, with a number if others have that name."""
+    text = " ".join(re.sub(r"<[^<>]*>", "", take.animation.utterance.text).split()) or "take"
+    name, number = shorten(text, 42, placeholder=" …") if " " in text[:42] else text[:42], 2
+    found = name
+    while found in others:
+        found, number = f"{name} ({number})", number + 1
+    return found
 
 
 def _moments(script: Script) -> Iterator[float]:

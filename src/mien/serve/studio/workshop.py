@@ -170,7 +170,11 @@ class Workshop:
         def work(job: Job) -> dict[str, Any]:
             take = self.performing.by_and_by(request, source, job, EMPTY, self._beginning)
             digest = None if source is None else self.journal.keep_sound(source)
-            record = Record(named(take), time.time(), [Step(request, EMPTY, digest)])
+            record = Record(
+                named(take, {one.name for one in self.journal.records.values()}),
+                time.time(),
+                [Step(request, EMPTY, digest)],
+            )
             job.at(job.step)
             name = self.journal.add(record)
             self.takes.put(take, take.size, name)
