@@ -121,3 +121,23 @@ def test_a_second_thread_waits_until_all_that_a_kernel_calls_is_ready() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout.strip() == "[10, 17]", done.stderr
+
+
+def test_a_module_shows_its_compiled_kernels_all_at_once() -> None:
+    """Who takes one of them from the module, and so does not wait, must not meet it before what it calls."""
+    code = (
+        "import mien.core.compiled as c\n"
+        "@c.njit()\n"
+        "def outer(x):\n    return middle(x) + 1\n"
+        "@c.njit()\n"
+        "def middle(x):\n    return inner(x) + 1\n"
+        "@c.njit()\n"
+        "def inner(x):\n    return x * x\n"
+        "names, seen = ('outer', 'middle', 'inner'), set()\n"
+        "def look(compiled):\n"
+        "    seen.add(sum(isinstance(globals()[name], c.Kernel) for name in names))\n"
+        "c._tell_if_new = look\n"
+        "print(outer(3), sorted(seen), [isinstance(globals()[name], c.Kernel) for name in names])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "11 [3] [False, False, False]", done.stderr

@@ -135,9 +135,9 @@ class Kernel:
             _made.append(compiled)
             _tell_if_new(compiled)
             names = self.py_func.__globals__
-            for name, value in list(names.items()):
-                if isinstance(value, Kernel):
-                    names[name] = value.compiled()
+            found = {name: value for name, value in names.items() if isinstance(value, Kernel)}
+            # All at once: another thread that takes one of them from its module calls it without waiting here.
+            names.update({name: value.compiled() for name, value in found.items()})
             if _in_work[0] is self:
                 for kernel in _in_work:
                     kernel._ready = kernel._compiled
