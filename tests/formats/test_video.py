@@ -289,3 +289,20 @@ def test_colours_become_luma_and_chroma_as_ffmpeg_makes_them():
     difference = np.abs(other.to_ndarray().astype(int) - planes)
     assert difference[:48].max() <= 1
     assert np.median(difference[48:]) <= 1  # its chroma is smoothed over more than four pixels
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+def test_compressed_sound_is_not_cut_off(tmp_path, suffix):
+    at = np.arange(16000) / 16000
+    loud = sum(np.cos(2 * np.pi * k * (110 + 20 * at) * at + k) / k for k in range(1, 40)) * np.sin(9 * at)
+    loud *= 0.99 / np.abs(loud).max()
+    write_frames(
+        iter([np.zeros((48, 64, 3), np.uint8)] * 25),
+        Fraction(25),
+        Audio(loud, 16000),
+        tmp_path / f"a{suffix}",
+        (64, 48),
+    )
+    with av.open(str(tmp_path / f"a{suffix}")) as container:
+        heard = np.concatenate([block.to_ndarray().ravel() for block in container.decode(audio=0)])
+    assert 0.5 < np.abs(heard).max() < 0.94

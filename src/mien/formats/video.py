@@ -36,6 +36,7 @@ _SECONDS_PER_KEY = 2  # a key picture so often, so that players can jump
 _SOUND_BITS_PER_SECOND = 128_000
 _WAITING = 4  # pictures drawn ahead of the encoder
 _BLOCK = 1024  # samples given to the sound's encoder at once, where it takes any number
+_LOUDEST = 10 ** (-1.5 / 20)  # of full scale, of compressed sound: decoders overshoot by up to 1.1 dB
 _RATE = 48000  # of compressed sound: what every player takes
 
 
@@ -225,8 +226,15 @@ def write_frames(
 
 
 def _encodable(sound: Audio, film: Film) -> Audio:
-    """The sound at a rate that the file has."""
-    return sound if not film.rates or sound.rate in film.rates else sound.resampled(film.rates[0])
+    """The sound as the file can have it: at one of its rates and, where it is compressed, with room above its peak.
+
+    What a decoder makes of compressed sound goes up to a tenth beyond the peak that was given to the encoder.
+    """
+    if not film.rates:
+        return sound
+    sound = sound if sound.rate in film.rates else sound.resampled(film.rates[0])
+    peak = float(np.abs(sound.samples).max(initial=0.0))
+    return sound if peak <= _LOUDEST else Audio(sound.samples * (_LOUDEST / peak), sound.rate)
 
 
 def _video_stream(
