@@ -25,6 +25,7 @@ from mien.capture.layouts import load_layout
 from mien.core import channels
 from mien.core.audio import Audio
 from mien.core.errors import InputError, Note
+from mien.core.opposed_channels import apart
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
@@ -33,7 +34,6 @@ from mien.motion.expression.expression import NEUTRAL, Expression, weights_of
 from mien.motion.maps.emotion_maps import EmotionMaps
 from mien.motion.marker_channels import MarkerChannels
 from mien.motion.mouth.hand_made_mouth import HandMadeMouth
-from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
 from mien.motion.performers import FORMER_NAME, load_performer
 from mien.pipeline.edited_performance import recoloured_under_edits

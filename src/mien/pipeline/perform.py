@@ -23,6 +23,7 @@ from mien.core import channels
 from mien.core.emotions import emotion_table
 from mien.core.errors import Note
 from mien.core.one_thread import one_thread
+from mien.core.opposed_channels import OPPOSED, apart
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
@@ -33,7 +34,6 @@ from mien.motion.expression.line import line_of
 from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
 from mien.motion.mouth.shown_closure import bilabial_seal, close_lips
 from mien.motion.mouth.singing import sing
-from mien.motion.opposed_channels import apart
 from mien.motion.performer import FeelingMouth, Performer
 from mien.text.effort_spans import AS_RECORDED, effort_over
 from mien.text.parameter_curves import ParameterCurve, lay_over
@@ -97,7 +97,10 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         utterance=utterance,
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),
-        notes=utterance.notes + performer.expression.notes(score) + _outside(score, utterance.duration),
+        notes=utterance.notes
+        + performer.expression.notes(score)
+        + _outside(score, utterance.duration)
+        + _opposed(score.curves, times),
     )
 
 
@@ -126,6 +129,18 @@ def _outside(score: Score, duration: float) -> tuple[Note, ...]:
         if (start := (curve.keys[0][0] - curve.fade) / 1000) >= duration
     ]
     return tuple(Note("warning", message) for message in dict.fromkeys(told))
+
+
+def _opposed(curves: Sequence[ParameterCurve], times: NDArray[np.float64]) -> tuple[Note, ...]:
+    """Notes on opposed channels that curves ask for at once."""
+    asked = lay_over(np.zeros((len(times), len(channels.ALL))), channels.ALL, curves, times)
+    column = channels.ALL.index
+    told = [
+        f"{one} and {other} were asked for at once: they are opposed, and what both have is taken off both"
+        for one, other in (OPPOSED if curves else ())
+        if (np.minimum(asked[:, column(one)], asked[:, column(other)]) > 0).any()
+    ]
+    return tuple(Note("warning", message) for message in told)
 
 
 def _of_neutral(score: Score) -> tuple[Note, ...]:
@@ -227,7 +242,7 @@ def direct(
 
     What is added gives way where the lips are shut, by ``share`` as expressions do; what is set is set exactly. Lids
     that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1], and one of two opposed channels at
-    most is above zero (`mien.motion.opposed_channels`).
+    most is above zero (`mien.core.opposed_channels`).
     """
     if not curves:
         return apart(values, channels.ALL)

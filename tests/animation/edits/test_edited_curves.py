@@ -7,6 +7,7 @@ from mien.animation.edits import Anchor, ChannelEdit, EditLayer, Place, line_of
 from mien.animation.edits.edited_curves import with_curves
 from mien.animation.edits.layer import channel_range
 from mien.core import channels
+from mien.core.opposed_channels import OPPOSED, apart
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from tests.animation.edits.layers import LINE, curves, say
@@ -85,9 +86,10 @@ def test_edited_channels_stay_in_range_others_and_the_input_stay_as_they_are(edi
     result, _, before = laid(*edits, base=base)
     assert np.array_equal(base.values, held)
     edited = {edit.channel for edit in edits}
+    opposed = {name for pair in OPPOSED if edited & set(pair) for name in pair}
     for number, name in enumerate(channels.ALL):
         column = result.values[:, number]
-        if name not in edited:
+        if name not in edited | opposed:
             assert np.array_equal(column, held[:, number])
         elif name in before:
             least, most = channel_range(name)
@@ -103,3 +105,17 @@ def test_the_order_of_what_is_added_does_not_matter(edits, random):
     random.shuffle(shuffled)
     one, other = laid(*edits)[0], laid(*shuffled)[0]
     assert np.allclose(one.values, other.values, atol=1e-12)
+
+
+@pytest.mark.parametrize("mode", ["add", "replace"])
+def test_opposed_channels_give_way(mode):
+    keys = ((Anchor(Place("never"), 0.0), 0.4), (Anchor(Place("said", 1, 2), 1.0), 0.4))
+    left, right = (ChannelEdit(name, mode, keys, 0.1) for name in ("jawLeft", "jawRight"))
+    start = track()
+    base = ChannelTrack(start.names, apart(start.values, start.names), RATE)
+    for edits in ((left,), (left, right)):
+        result, lost, before = laid(*edits, base=base)
+        assert np.minimum(result.channel("jawLeft"), result.channel("jawRight")).max() == 0.0
+        assert [loss.why for loss in lost if "opposed" in loss.why] == [loss.why for loss in lost]
+        assert len(lost) == len(edits) - 1
+        assert all(np.array_equal(before[name], base.channel(name)) for name in ("jawLeft", "jawRight"))

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from mien.core import channels
 from mien.core.audio import Audio
 from mien.core.errors import InputError
+from mien.core.opposed_channels import apart
 from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE
 from mien.motion.expression.endless_motion import endless_expression, endless_idle
 from mien.motion.mouth.streaming_mouth import StreamingMouth, without_sound
-from mien.motion.opposed_channels import apart
 from mien.motion.performer import Performer
 from mien.pipeline.perform import blend
 from mien.serve.live.heard_emotion import HeardEmotion, HeardExpression

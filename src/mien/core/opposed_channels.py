@@ -22,7 +22,10 @@ frowning, is a matter of degree: the antagonists of `mien.capture`.)"""
 
 
 def apart(
-    values: NDArray[np.float64], names: Sequence[str], held: NDArray[np.bool_] | None = None
+    values: NDArray[np.float64],
+    names: Sequence[str],
+    held: NDArray[np.bool_] | None = None,
+    pairs: Sequence[tuple[str, str]] = OPPOSED,
 ) -> NDArray[np.float64]:
     """Let opposed channels take one another off, so that one of each pair at most is above zero.
 
@@ -33,6 +36,8 @@ def apart(
         Of the channels; pairs that are not among them are passed over.
     held : ndarray of bool, shape (frames, channels), optional
         Values that were asked for exactly: they stay, and the other of their pair gives way to them.
+    pairs : sequence of (str, str)
+        Those to look at.
 
     Returns
     -------
@@ -46,7 +51,7 @@ def apart(
     """
     values = values.copy()
     places = {name: place for place, name in enumerate(names)}
-    for pair in OPPOSED:
+    for pair in pairs:
         if not set(pair) <= set(places):
             continue
         one, other = (places[name] for name in pair)

@@ -8,7 +8,7 @@ import pytest
 import mien
 from mien.core.audio import Audio
 from mien.core.channels import ALL
-from mien.motion.opposed_channels import OPPOSED, apart
+from mien.core.opposed_channels import OPPOSED, apart
 from mien.motion.performer import Performer
 from mien.serve.live.animator import frames_of
 from tests.programs import voice_or_skip
@@ -47,6 +47,15 @@ def test_lines(text: str) -> None:
     line = mien.say(text, emotion=["angry:0.6", "sad:0.3"], voice=voice_or_skip("espeak").name)
     assert both(line.channels.values) == 0.0
     assert both(mien.express(line, emotion="happy").channels.values) == 0.0
+
+
+def test_asking_for_both_is_told() -> None:
+    curve = '<curve parameter="{}"><key at="0" value="0.4"/><key at="500" value="0.3"/></curve>'
+    script = f"I {curve}{curve}do."
+    for names, told in ((("jawLeft", "jawRight"), 1), (("jawLeft", "mouthRight"), 0)):
+        line = mien.say(script.format(*names), voice=voice_or_skip("espeak").name, performer="hand-made")
+        assert both(line.channels.values) == 0.0
+        assert sum("asked for at once" in note.message for note in line.notes) == told
 
 
 def test_live() -> None:
