@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mien.core.errors import InputError
+from mien.core.long_arrays import LONG, let_go, long_array, trim
 
 __all__ = ["MAX_RATE", "MIN_RATE", "Audio"]
 
@@ -106,7 +108,28 @@ class Audio:
             return self
         import soxr
 
-        return Audio.taking(soxr.resample(self.samples, self.rate, rate, quality="HQ"), rate)
+        if self.duration < LONG:
+            return Audio.taking(soxr.resample(self.samples, self.rate, rate, quality="HQ"), rate)
+        stream, done = soxr.ResampleStream(self.rate, rate, 1, quality="HQ"), 0
+        found = long_array(math.ceil(len(self.samples) * rate / self.rate) + 1)
+        for start in range(0, len(self.samples), _BLOCK):
+            last = start + _BLOCK >= len(self.samples)
+            made = stream.resample_chunk(self.samples[start : start + _BLOCK], last=last)[: len(found) - done]
+            found[done : done + len(made)] = made
+            done += len(made)
+            self.rest()
+        return Audio.taking(found[:done], rate)
+
+    def rest(self) -> None:
+        """Say that a long sound is not looked at for now, and give back what memory is free; others stay as they are.
+
+        Examples
+        --------
+        >>> Audio([0.0, 0.5], 8000).rest()
+        """
+        if self.duration >= LONG:
+            let_go(self.samples)
+            trim()
 
     def is_silent(self, threshold_db: float = -72.0) -> bool:
         """Whether no 20 ms stretch is louder than ``threshold_db`` dBFS (RMS)."""

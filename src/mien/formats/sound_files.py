@@ -16,6 +16,7 @@ from mien.core.audio import MAX_RATE, MIN_RATE, Audio
 from mien.core.border import reading
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_begun, check_size, read_bytes
+from mien.core.long_arrays import LONG, long_array
 from mien.formats.media import open_media
 
 if TYPE_CHECKING:
@@ -167,7 +168,8 @@ def _clipped(mono: Samples) -> float:
 
 def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples, _Sum]:
     """One channel, or the average of all, decoded block by block."""
-    kept = np.zeros(0)
+    kept: Samples = np.zeros(0)
+    done = 0
     about: _Sum | None = None
     for block, rate in _blocks(path, notes):
         if about is None:
@@ -185,11 +187,15 @@ def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples,
         one = block.mean(axis=1) if channel is None else block[:, channel]
         if about.count > _LONG * rate and kept.dtype == np.float64:
             kept = kept.astype(np.float32)
-        kept.resize(about.count, refcheck=False)  # grows where it is: nothing of an hour is held twice
-        kept[about.count - len(one) :] = one
+        if about.count > len(kept):  # twice the room, on the disk: nothing of an hour is held twice
+            room = long_array(2 * about.count) if about.count > LONG * rate else np.empty(2 * about.count, kept.dtype)
+            room[:done] = kept[:done]
+            kept = room
+        kept[done : about.count] = one
+        done = about.count
     if about is None:
         raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got none")
-    return kept, about
+    return kept[:done], about
 
 
 def _existing(path: Path) -> Path:

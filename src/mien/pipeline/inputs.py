@@ -117,8 +117,9 @@ def spoken_recording(
         return Spoken(heard(audio, None, language, song).with_notes(*notes))
     script = script_of(text, library)
     performer.expression.check(Score(tuple(EmotionSpan(asked.name) for asked in script.emotions)))
-    spoken = speak_over(script, _hearing(audio, song, notes), library, language)
-    return translate(spoken, library)
+    spoken = translate(speak_over(script, _hearing(audio, song, notes), library, language), library)
+    spoken.utterance.audio.rest()
+    return spoken
 
 
 @one_thread

@@ -239,6 +239,7 @@ def with_heard_effort(score: Score, spoken: Spoken, asked: bool = False) -> tupl
     if score.efforts or utterance.sung or utterance.timing == "none":
         return score, spoken
     read = read_effort(utterance.audio, DECIBELS)
+    utterance.audio.rest()
     span = EffortSpan(EffortCurve(read.times, read.levels, "linear"), source="off" if asked else "voice")
     told = read.told + ("" if asked else _replaced((*score.emotions, *spoken.emotions)))
     return replace(score, efforts=(span,)), replace(spoken, utterance=utterance.with_notes(Note("note", told)))

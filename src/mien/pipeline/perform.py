@@ -73,6 +73,7 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     mouth = _spoken(utterance, score, performer, rate)
     if utterance.sung:
         mouth = sing(mouth, utterance, rate)
+    utterance.audio.rest()
     times = rate.times(len(mouth.values))
     shown = 1 - weights_of(score, times)[0]
     effort = effort_over(score.efforts, performer.expression.effort(score, times), shown, times)
@@ -80,20 +81,23 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
         mouth = articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
     line = line_of(utterance, mouth.values, rate) if score.emotions else None
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression, line=line)
+    utterance.audio.rest()
     idle = performer.idle.perform(utterance, rate, for_idle, score)
     prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
+    utterance.audio.rest()
     share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
-    values = mouth.values.copy()
+    values, markers, seal = mouth.values.copy(), mouth.markers, mouth.seal
+    del mouth, line
     for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
         here = slice(first, first + _BLOCK)
         values[here] = blend(values[here], expression[here] * share[here] + prosody[here], idle[here])
     del expression, idle, prosody
-    values = close_lips(values, bilabial_seal(mouth.seal, utterance.phones, times))
+    values = close_lips(values, bilabial_seal(seal, utterance.phones, times))
     values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
     values = direct(values, score.curves, rate, share)
     return Animation(
         channels=ChannelTrack(channels.ALL, values, rate),
-        markers=mouth.markers,
+        markers=markers,
         utterance=utterance,
         score=score,
         provenance=Provenance(performer.name, seed, version("mien")),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.long_arrays import let_go
 from mien.core.one_thread import one_thread
 from mien.core.utterance import PAUSE
 from mien.speech.frame_classifier import FrameClassifier, FrameStream, default_classifier
@@ -68,9 +69,12 @@ def hear(audio: Audio, classifier: FrameClassifier | None = None) -> Hearing:
         None takes the one that ships.
     """
     network = classifier or default_classifier()
-    answers = list(_answers(audio.resampled(RATE).samples, network))
-    rows = np.concatenate(answers) if answers else np.zeros((0, len(network.labels)), np.float32)
-    rows = rows - SHARE * network.log_share
+    samples, count = audio.resampled(RATE).samples, 0
+    rows = np.empty((len(samples) // HOP + 2, len(network.labels)), np.float32)
+    for answer in _answers(samples, network):
+        rows[count : count + len(answer)] = answer - SHARE * network.log_share
+        count += len(answer)
+    rows = rows[:count]
     noise = (QUIET_SPREAD - loudness_spread(audio)) / (QUIET_SPREAD - NOISY_SPREAD)
     rows[:, network.labels.index(PAUSE)] -= np.float32(PAUSE_IN_NOISE * min(max(noise, 0.0), 1.0))
     return Hearing(network.labels, rows)
@@ -97,5 +101,6 @@ def _answers(samples: NDArray[np.floating], network: FrameClassifier) -> Iterato
     features, frames = StreamingFeatures(), FrameStream(network, FUTURE, STEP)
     for start in range(0, len(samples), _BLOCK):
         yield frames.push(features.push(samples[start : start + _BLOCK]))
+        let_go(samples)
     yield frames.push(features.push(np.zeros(WINDOW // 2, np.float32)))
     yield frames.pending()

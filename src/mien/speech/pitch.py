@@ -144,7 +144,7 @@ _last: tuple[weakref.ref[Audio], tuple[float, float], PitchContour] | None = Non
 
 def _contour(audio: Audio, lowest: float, highest: float) -> PitchContour:
     samples = audio.resampled(_RATE).samples
-    loudest = float(np.abs(samples).max()) if len(samples) else 0.0
+    loudest = float(max(samples.max(), -samples.min())) if len(samples) else 0.0
     if loudest == 0.0:
         times = _HOP / _RATE * np.arange(max(1, len(samples) // _HOP), dtype=np.float64)
         return PitchContour(times, np.full(len(times), np.nan), np.zeros(len(times)))

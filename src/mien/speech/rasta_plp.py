@@ -108,14 +108,17 @@ def _band_energies(samples: NDArray[np.float32]) -> Floats:
     """Energy in each critical band, shape (frames, bands), never 0."""
     width, hop = round(WINDOW * RATE), round(STEP * RATE)
     half, mode = width // 2, "reflect" if len(samples) > width else "constant"
-    samples = np.pad(samples, (half, half), mode=mode)  # type: ignore[call-overload]
-    windows = np.lib.stride_tricks.sliding_window_view(samples, width)[::hop]
     shape, weights = np.hamming(width), bark_weights()
-    blocks = [
-        np.abs(np.fft.rfft(windows[first : first + _BLOCK] * shape, _FFT, axis=1)) ** 2 @ weights.T
-        for first in range(0, len(windows), _BLOCK)
-    ]
-    energies = np.concatenate(blocks)
+    energies = np.empty((1 + (len(samples) + 2 * half - width) // hop, len(weights)))
+    for first in range(0, len(energies), _BLOCK):
+        begin = first * hop - half
+        end = begin + (min(_BLOCK, len(energies) - first) - 1) * hop + width
+        more = min(max(begin, 0), width)  # so that there is enough to reflect at the end
+        heard = samples[max(begin, 0) - more : min(end, len(samples))]
+        beyond = max(-begin, 0), max(end - len(samples), 0)
+        heard = np.pad(heard, beyond, mode=mode)[more:]  # type: ignore[call-overload]
+        windows = np.lib.stride_tricks.sliding_window_view(heard, width)[::hop]
+        energies[first : first + _BLOCK] = np.abs(np.fft.rfft(windows * shape, _FFT, axis=1)) ** 2 @ weights.T
     return np.maximum(energies, max(QUIETEST * float(energies.max()), np.finfo(np.float64).tiny))
 
 

@@ -16,8 +16,6 @@ __all__ = ["READERS", "TEXT_PATTERN"]
 
 _VULGAR = "½¼¾⅓⅔"
 _LETTER = rf"[^\W\d_²³µπ{_VULGAR}]\u0301*"  # letters that stand for words are signs
-_ROMAN = {"II": 2, "III": 3, "IV": 4, "VI": 6, "VII": 7, "VIII": 8, "IX": 9, "XI": 11, "XII": 12, "XIII": 13}
-_ROMAN |= {"XIV": 14, "XV": 15, "XVI": 16, "XVII": 17, "XVIII": 18, "XIX": 19, "XX": 20, "XXI": 21}
 _NUMBER = r"(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?|\.\d+"
 _MONTHS = "january|february|march|april|may|june|july|august|september|october|november|december"
 _SHORT_MONTHS = r"(?:jan|feb|mar|apr|jun|jul|aug|sept?|oct|nov|dec)\b\.?"
@@ -172,13 +170,46 @@ def _mixed(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
 
 def _roman(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
     """Numbered after such as "chapter", ranked after a name, else a word in capitals."""
-    number = _ROMAN[match.group()]
+    number = _roman_value(match.group())
     before = re.search(r"([^\W\d_]+)\s+$", _just_before(match, text))
-    if before and before[1].lower() in english_table()["numbers"]["numbered"]:
+    name = before[1] if before else ""
+    several = len(match.group()) > 1
+    if _is_numbered(name) and (several or name[0].isupper()):
         return _whole(match, cardinal(number))
-    if before and before[1][:1].isupper() and not shouting:
+    if name[:1].isupper() and several and not shouting:
         return _whole(match, f"the {ordinal(number)}")
     return _word(match, text, shouting)
+
+
+def _is_numbered(name: str) -> bool:
+    """Whether a word, or what it is the plural of, has numbers after it: "chapter", "Types"."""
+    return bool({name.lower(), name.lower().removesuffix("s")} & set(english_table()["numbers"]["numbered"]))
+
+
+def _romans(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """Several in a row: ``I, II and III``, ``Henry VII and VIII``."""
+    found = list(re.finditer(r"[IVX]+", match.group()))
+    if not any(len(item.group()) > 1 for item in found):
+        found = []
+    before = re.search(r"([^\W\d_]+)\s+$", _just_before(match, text))
+    ranked = bool(before and before[1][0].isupper() and not _is_numbered(before[1]) and not shouting)
+    pieces = []
+    for item in re.finditer(r"\w+", match.group()):
+        number = _roman_value(item.group()) if item.group().isupper() else 0
+        if not number or not found or (ranked and len(item.group()) == 1):
+            spoken = _plain_word(item.group(), shouting)
+        else:
+            spoken = f"the {ordinal(number)}" if ranked else cardinal(number)
+        pieces.append((match.start() + item.start(), match.start() + item.end(), spoken))
+    return pieces
+
+
+def _power(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
+    """``10^6``: what stands after the number."""
+    minus = "minus " if match["power_minus"] else ""
+    named = {"2": "squared", "3": "cubed"} if not minus else {}
+    spoken = named.get(match["power_of"], f"to the {minus}{cardinal(int(match['power_of']))}")
+    return _whole(match, spoken)
 
 
 def _ordinal(match: re.Match[str], text: str, shouting: bool) -> list[Piece]:
@@ -319,7 +350,7 @@ def _numbers() -> dict[str, tuple[str, Reader]]:
         ),
         "netnumber": (r"(?<![\w.])\d{1,3}(?:\.\d{1,3}){2,3}(?![\w]|\.\d)", _net_number),
         "zip": (r"(?<=\b[A-Z]{2} )\d{5}\b(?!,\d)", _zip),
-        "listed": (r"(?:(?<=\n)|^)[ \t]{0,9}\(?(?P<item>[ivxIVX]{1,6})(?=[.)][ \t])", _listed),
+        "listed": (r"(?:(?<=\n)|^)[ \t]{0,9}\(?(?P<item>[ivxIVX]{1,6})(?=[.)][ \t])(?!\.[ \t][A-Z]\.)", _listed),
         "money": (rf"(?P<sign>{currencies})\s?(?P<amount>{_NUMBER})(?:\s?(?P<size>{sizes})\b)?", _money),
         "date": (
             r"(?P<iso_year>\d{4})-(?P<iso_month>\d\d)-(?P<iso_day>\d\d)(?=T\d\d:|\b)"
@@ -351,6 +382,7 @@ def _numbers() -> dict[str, tuple[str, Reader]]:
             rf"(?P<minus>(?<!\w)-)?(?P<measure>{_NUMBER})\s?(?P<unit>{_any_of(list(table['units']))})(?![\w'])",
             _quantity,
         ),
+        "power": (r"(?<=\d)\^(?P<power_minus>-)?(?P<power_of>\d{1,3})\b", _power),
         "sized": (rf"(?P<how_many>{_NUMBER})(?P<magnitude>k|K|M|B|bn)\b", _sized),
         "number": (rf"(?P<minus_sign>(?<![\w.])-)?(?P<plain>{_NUMBER})", _number),
     }
@@ -364,7 +396,8 @@ def _letters() -> dict[str, tuple[str, Reader]]:
         "abbreviation": (rf"(?i:(?<![\w.])(?:{_any_of(list(table['abbreviations']))}))", _abbreviation),
         "title": (rf"\b(?:{_any_of(list(table['titles']))})\b", _title),
         "beforenumber": (rf"(?i:\b(?:{_any_of(list(table['before_number']))})(?=\s?\d))", _before_number),
-        "roman": (rf"\b(?:{_any_of(list(_ROMAN))})\b(?!')", _roman),
+        "romans": (r"\b[IVX]{1,5}(?:(?:,\s|,?\s(?:and|or|to)\s)[IVX]{1,5}\b(?!'))+", _romans),
+        "roman": (r"\b(?:X{1,2}(?:I[XV]|VI{0,3}|I{1,3})?|I[XV]|VI{0,3}|I{1,3})\b(?!')(?!(?<!I)\.\s?[A-Z])", _roman),
         "initials": (r"\b(?:[A-Za-z]\.){2,}|\b[A-HJ-Z]\.(?=\s?[A-Z])", _initials),
         "lonesign": (f"[{re.escape(''.join(table['signs']))}]", _sign),
         "word": (rf"'?{_LETTER}(?:{_LETTER}|'(?={_LETTER}))*", _word),

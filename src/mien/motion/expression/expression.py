@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from mien.core import channels
 from mien.core.errors import Note, unknown_name
 from mien.core.timeline import FrameRate
-from mien.motion.expression.expression_space import RATE, ExpressionSpace
+from mien.motion.expression.expression_space import ExpressionSpace
 from mien.motion.expression.line import Line
 from mien.text.score import EmotionSpan, Score
 
 __all__ = ["NEUTRAL", "Expression", "weights_of"]
+
+_BLOCK = 4096  # frames
 
 Floats = NDArray[np.float64]
 NEUTRAL = "neutral"
@@ -109,18 +111,13 @@ class Expression:
         for span, weight, draws in zip(spans, weights_of(score, times), random.spawn(len(spans)), strict=True):
             if weight.any() and (neutral or span.name != NEUTRAL):
                 shown = weight if span.name == NEUTRAL else weight * strength
-                values += shown[:, None] * self._motion(span.name, times, draws)
+                # Whole seconds, so that the draws do not depend on the frame rate.
+                sampled = self.space_of(span.name).sample(span.name, float(np.floor(times[-1]) + 1), draws)
+                for here in map(slice, range(0, len(times), _BLOCK), range(_BLOCK, len(times) + _BLOCK, _BLOCK)):
+                    values[here] += shown[here, None] * sampled.carried_at(times[here])
                 if span.name in self.spoken:
                     values += (shown * speaking)[:, None] * self.spoken[span.name]
         return values
-
-    def _motion(self, emotion: str, times: Floats, random: np.random.Generator) -> Floats:
-        # Whole seconds, so that the draws do not depend on the frame rate.
-        carried = self.space_of(emotion).sample(emotion, float(np.floor(times[-1]) + 1), random).carried
-        places = times * RATE
-        first = np.minimum(places.astype(np.int64), len(carried) - 2)
-        share = (places - first)[:, None]
-        return np.asarray((1 - share) * carried[first] + share * carried[first + 1])
 
 
 def weights_of(score: Score, times: Floats) -> Floats:

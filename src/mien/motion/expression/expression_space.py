@@ -71,16 +71,33 @@ class SampledExpression:
 
     Attributes
     ----------
-    curve : ndarray, shape (samples, components)
-        In the space.
-    carried : ndarray, shape (samples, carried)
     patches : Patches
         Where it was taken from; tells how much was copied and where no patch fitted.
+    curve_source, carried_source : ndarray, shape (rows, components or carried)
+        What the patches are of.
     """
 
-    curve: Floats
-    carried: Floats
     patches: Patches
+    curve_source: Floats
+    carried_source: Floats
+
+    @property
+    def curve(self) -> Floats:
+        """In the space, shape (samples, components)."""
+        return self.patches.of(self.curve_source)
+
+    @property
+    def carried(self) -> Floats:
+        """What moves with it, shape (samples, carried)."""
+        return self.patches.of(self.carried_source)
+
+    def carried_at(self, times: Floats) -> Floats:
+        """What moves with it at some instants in seconds, rising, shape (times, carried); made for these alone."""
+        places = times * RATE
+        first = np.minimum(places.astype(np.int64), len(self.patches.share) - 2)
+        share, low = (places - first)[:, None], int(first[0])
+        carried = self.patches.of(self.carried_source, slice(low, int(first[-1]) + 2))
+        return np.asarray((1 - share) * carried[first - low] + share * carried[first - low + 1])
 
 
 class ExpressionSpace:
@@ -153,11 +170,8 @@ class ExpressionSpace:
             raise unknown_name("emotion", emotion, self.emotions)
         samples = int(np.ceil(max(seconds, 0.0) * RATE)) + 1
         patches = sample_patches(self.curves_[emotion], samples, random, self.settings.patches)
-        return SampledExpression(
-            patches.of(np.concatenate(self.curves_[emotion])),
-            patches.of(np.concatenate(self.carried_[emotion])),
-            patches,
-        )
+        sources = (np.concatenate(source[emotion]) for source in (self.curves_, self.carried_))
+        return SampledExpression(patches, *sources)
 
     def motion(self, curve: Floats) -> Floats:
         """Marker displacements of a curve, shape (samples, dimensions), mm: what three dimensions hold of them."""

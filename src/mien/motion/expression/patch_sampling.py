@@ -80,13 +80,14 @@ class Patches:
     stretched: int
     copied: int
 
-    def of(self, source: Floats) -> Floats:
-        """The new curve of anything that is known for every row of the source, shape (samples, ...)."""
-        share = self.share.reshape(-1, *[1] * (source.ndim - 1))
+    def of(self, source: Floats, part: slice = slice(None)) -> Floats:
+        """The new curve, or a part of it, of anything known for every row of the source, shape (samples, ...)."""
+        share, before, after = self.share[part], self.before[part], self.after[part]
+        share = share.reshape(-1, *[1] * (source.ndim - 1))
         made = np.empty((len(share), *source.shape[1:]))
         for first in range(0, len(share), _BLOCK):  # an hour is long
             here = slice(first, first + _BLOCK)
-            made[here] = (1 - share[here]) * source[self.before[here]] + share[here] * source[self.after[here]]
+            made[here] = (1 - share[here]) * source[before[here]] + share[here] * source[after[here]]
         return made
 
 

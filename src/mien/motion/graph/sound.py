@@ -42,6 +42,7 @@ def heard_features(audio: Audio, phones: Tier) -> Floats:
     ((101, 9), True)
     """
     values = rasta_plp(audio).values
+    audio.rest()
     times = np.arange(len(values)) / SOUND_RATE.fps
     speech = np.zeros(len(values), dtype=bool)
     for phone in phones:

@@ -1,0 +1,33 @@
+"""Arrays on the disk hold what was written, whoever lets go of them, and long sounds are resampled to the same bits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mien.core.audio
+from mien.core.audio import Audio
+from mien.core.long_arrays import let_go, long_array, trim
+
+
+def test_what_was_let_go_is_still_there() -> None:
+    found = long_array(5000)
+    found[:] = np.arange(5000)
+    part = found[100:4000]
+    del found
+    let_go(part)
+    trim()
+    np.testing.assert_array_equal(part, np.arange(100, 4000))
+
+
+def test_other_arrays_are_left_alone() -> None:
+    plain = np.arange(10.0)
+    let_go(plain[2:])
+    assert plain[3] == 3
+
+
+def test_a_long_sound_is_resampled_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    sound = Audio(np.random.default_rng(0).normal(0, 0.1, 3_000_077).astype(np.float32), 44_100)
+    at_once = sound.resampled(16_000)
+    monkeypatch.setattr(mien.core.audio, "LONG", 1)
+    assert sound.resampled(16_000) == at_once
