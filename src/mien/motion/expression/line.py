@@ -3,11 +3,13 @@
 Nobody is equally angry for forty seconds: a felt emotion swells on the words that carry it, ebbs where the voice rests,
 and opens the mouth while there is speech. Both curves multiply what is asked for; the figures are hand-made
 (``[line]`` in ``assets/performance/emotions.toml``). That facial movement strengthens on stressed syllables is measured
-by Cvejic, Kim & Davis 2010 (Speech Communication 52(6)) and by Swerts & Krahmer 2008 (Journal of Phonetics 36(2)).
+by Cvejic, Kim & Davis 2010 (Speech Communication 52(6)) and by Swerts & Krahmer 2008 (Journal of Phonetics 36(2)). At a
+sibilant the teeth stay close however loud one speaks (Mooshammer, Hoole & Geumann 2007, Language and Speech 50(2)).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,13 +17,14 @@ from numpy.typing import NDArray
 
 from mien.core import channels
 from mien.core.emotions import emotion_table
-from mien.core.timeline import FrameRate
+from mien.core.timeline import FrameRate, Interval
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.stressed_vowels import stressed_words
 
 __all__ = ["Line", "line_of"]
 
 Floats = NDArray[np.float64]
+_SIBILANTS = frozenset({"S", "Z", "SH", "ZH", "CH", "JH"})
 _JAW = channels.ALL.index("jawOpen")
 
 
@@ -81,14 +84,20 @@ def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
             strength = strength + table["accent"] * share * np.exp(-(near**2))
     jaw = mouth[:, _JAW]
     typical = float(jaw[heard > 0.5].mean()) if (heard > 0.5).any() else 0.0
-    openness = np.clip(jaw / typical, 0.0, 2.0) if typical > 0 else np.ones(len(jaw))
-    return Line(np.asarray(strength), np.asarray(heard * (1 - table["with_jaw"] + table["with_jaw"] * openness)))
+    openness = np.clip(jaw / typical, 0.0, table["widest"]) if typical > 0 else np.ones(len(jaw))
+    hissing = _near([p for p in utterance.phones if p.label in _SIBILANTS], times, table["glide"])
+    speaking = heard * (1 - table["with_jaw"] + table["with_jaw"] * openness) * (1 - (1 - table["sibilant"]) * hissing)
+    return Line(np.asarray(strength), np.asarray(speaking))
 
 
 def _heard(utterance: Utterance, times: Floats, settle: float) -> Floats:
-    """1 in speech and 0 in pauses, half a cosine of ``settle`` seconds outside the speech between them."""
+    """1 in speech and 0 in pauses."""
+    return _near([phone for phone in utterance.phones if phone.label != PAUSE], times, settle)
+
+
+def _near(phones: Sequence[Interval], times: Floats, settle: float) -> Floats:
+    """1 in these phones and 0 away from them, half a cosine of ``settle`` seconds between."""
     away = np.full(len(times), np.inf)
-    for phone in utterance.phones:
-        if phone.label != PAUSE:
-            away = np.minimum(away, np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0))
+    for phone in phones:
+        away = np.minimum(away, np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0))
     return np.asarray((1 + np.cos(np.pi * np.clip(away / settle, 0.0, 1.0))) / 2)

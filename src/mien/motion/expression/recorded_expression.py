@@ -97,8 +97,9 @@ def expression_of(recorded: RecordedExpressions | None) -> Expression:
     own = frozenset(recorded.space.emotions)
 
     efforts = {name: effort for name, effort in hand_made.efforts.items() if name not in own}
+    spoken = {name: row for name, row in hand_made.spoken.items() if name not in own}
 
     def space_of(emotion: str) -> ExpressionSpace:
         return recorded.space if emotion in own else hand_made.space_of(emotion)
 
-    return Expression(names, space_of, hand_made.sealed_share, frozenset(names) - own, efforts)
+    return Expression(names, space_of, hand_made.sealed_share, frozenset(names) - own, efforts, spoken)
