@@ -2,10 +2,12 @@
 
 ::
 
-    MIEN_DATA=... python benchmarks/production_heads.py [openfacefx-0.24.0-py3-none-any.whl]
+    MIEN_DATA=... python benchmarks/production_heads.py [openfacefx-0.24.0-py3-none-any.whl] [--files PATH ...]
 
-writes ``docs/tables/production_heads.md``. The first head is ICT-FaceKit's (MIT, in the shared data), the second the
-head of three.js' facecap example, which lies in that wheel: a second artist's answer, and what two artists agree on.
+writes ``docs/tables/production_heads.md`` and ``docs/pictures/production_heads.jpg``. The first head is ICT-FaceKit's
+(MIT, in the shared data), the second the head of three.js' facecap example, which lies in that wheel: a second artist's
+answer, and what two artists agree on. ``--files`` are further real files (heads of any format, avatars, photographs of
+faces): what mien says of each goes into the table.
 """
 
 from __future__ import annotations
@@ -18,20 +20,39 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from mien.core.channels import ARKIT
+from mien.core.errors import InputError
 from mien.core.files import replace_when_complete
 from mien.face.foreign.drawn import drawn_face
+from mien.face.foreign.foreign_report import inspect_face
 from mien.face.foreign.known_face import known_face
 from mien.face.head_reshaping import reshaped_face
 from mien.face.head_space import head_space
+from mien.face.model import Face
+from mien.face.posing import Poser
+from mien.face.render.camera import Camera
+from mien.face.render.renderer import Renderer
 from mien.face.surface import Surface
 from mien.fit.fit_head import FittedHead, GivenMesh, fit_head
-from mien.fit.mesh_files import read_mesh
+from mien.fit.from_photos import face_from_photos
+from mien.fit.mesh_files import read_mesh, read_picture
+from mien.fit.photo_marks import marks_from_tracker
 from mien.fit.shape_transfer import carry_over, openings
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "production_heads.md"
+PICTURE = TABLE.parent.parent / "pictures" / "production_heads.jpg"
 MOVING_MM = 0.5
+POSES: tuple[dict[str, float], ...] = (
+    {},
+    {"jawOpen": 1.0},
+    {"jawOpen": 1.0, "mouthClose": 1.0},
+    {"eyeBlinkLeft": 1.0, "eyeBlinkRight": 1.0},
+    {"mouthSmileLeft": 1.0, "mouthSmileRight": 1.0},
+    {"mouthPucker": 1.0},
+    {"jawOpen": 0.7, "tongueOut": 1.0},
+)
 ABOUT = """
 Written by `python benchmarks/production_heads.py WHEEL`. Both heads have shapes of their artists; `mien face fit`
 gets the mesh alone, at rest, and no landmarks. Over the skin's vertices that the artist's shape moves by more than
@@ -147,7 +168,9 @@ def on_default(done: FittedHead, shapes: dict[str, np.ndarray]) -> tuple[dict[st
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("wheel", type=Path, nargs="?", help="the openfacefx 0.24.0 wheel")
-    wheel = parser.parse_args().wheel
+    parser.add_argument("--files", type=Path, nargs="*", default=[], help="further real files")
+    given = parser.parse_args()
+    wheel = given.wheel
     mesh, truth = ict_head()
     first = fit_head(mesh)
     first_truth = on_skin(first, truth, first.alignment.to_face.scale / 10)
@@ -159,9 +182,58 @@ def main() -> None:
         second_truth = on_skin(second, other, second.alignment.to_face.scale)
         columns["facecap"] = (second, compared(ours(second), second_truth))
         agreed = compared(carried(second, second_truth, first), first_truth)
+    text = written(columns, agreed) + real_files(given.files)
     with replace_when_complete(TABLE) as unfinished:
-        unfinished.write_text(written(columns, agreed), encoding="utf-8")
-    print(TABLE)
+        unfinished.write_text(text, encoding="utf-8")
+    sheet([done.face for done, _ in columns.values()]).save(PICTURE, quality=88)
+    print(TABLE, PICTURE)
+
+
+def sheet(faces: list[Face]) -> Image.Image:
+    """Each face at rest and in some shapes, a row a face."""
+    names = sorted({name for pose in POSES for name in pose})
+    rows = []
+    for face in faces:
+        poser, renderer = Poser(face, names), Renderer(face, 300, 300, camera=Camera.head_shot(face, 1.0))
+        poses = [np.array([pose.get(name, 0.0) for name in names]) for pose in POSES]
+        rows.append(np.hstack([renderer.render(poser.pose(pose))[:, :, :3] for pose in poses]))
+    return Image.fromarray(np.vstack(rows))
+
+
+def real_files(paths: list[Path]) -> str:
+    """What mien says of further files, as a section of the table."""
+    if not paths:
+        return ""
+    lines = [
+        "",
+        "## Other real files",
+        "",
+        "What mien itself says of them (`face inspect`, `face fit`, `from-photos`).",
+        "",
+    ]
+    lines += ["| file | what is said |", "| --- | --- |"]
+    for path in paths:
+        try:
+            told = said_of(path)
+        except InputError as problem:
+            told = f"refused: {problem}".replace(str(path), path.name)
+        lines.append(f"| {path.name} | {told.replace('|', '/')} |")
+        print(lines[-1], flush=True)
+    return "\n".join(lines) + "\n"
+
+
+def said_of(path: Path) -> str:
+    if path.suffix.lower() in (".png", ".jpg", ".jpeg"):
+        photo = marks_from_tracker(path.name, read_picture(path))
+        return "; ".join(note.message for note in face_from_photos([photo]).notes)
+    if path.suffix.lower() in (".glb", ".gltf", ".vrm"):
+        report = inspect_face(path)
+        if report.moves:
+            driven = sum(len(mesh.driven) for mesh in report.meshes)
+            count = sum(len(mesh.targets) for mesh in report.meshes)
+            return f"{report.kind}, {driven} of {count} targets are driven; {report.verdict()}"
+    done = fit_head(read_mesh(path), where=str(path))
+    return "fitted: " + "; ".join(finding.words for finding in done.findings)
 
 
 def written(columns: dict[str, tuple[FittedHead, dict[str, tuple[float, float]]]], agreed) -> str:  # type: ignore[no-untyped-def]
@@ -178,6 +250,8 @@ def written(columns: dict[str, tuple[FittedHead, dict[str, tuple[float, float]]]
     lines += ["", "What is seen of the fitted heads:", ""]
     for name, (done, _) in columns.items():
         lines.append(f"* {name}: " + "; ".join(finding.words for finding in done.findings))
+    lines += ["", "![fitted heads](../pictures/production_heads.jpg)", ""]
+    lines.append("(Rest, jaw open, lips shut over an open jaw, blink, smile, pucker, tongue out.)")
     lines += ["", "| shape | " + " | ".join(f"{name}: error, cosine" for name in results) + " |"]
     lines.append("| --- |" + " --- |" * len(results))
     for name in ARKIT:

@@ -15,6 +15,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 
 from mien.face.head_space import SKIN, HeadSpace, head_space
 from mien.face.surface import edges_of
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _BINS = 96
+_PINCH_MM = 1.2
 _TOUCH_MM = 2.5  # lips nearer than this at rest touch
 
 
@@ -70,12 +72,24 @@ class Seam:
         return moved - vertices
 
     def pinching(self, vertices: Floats, wanted: Floats) -> Floats:
-        """Offsets (n, 3), up and down, that bring single pairs together which `closing` left too far apart."""
+        """Offsets (n, 3), up and down, that bring single pairs together which `closing` left too far apart.
+
+        Each draws what lies within some millimetres along, however fine the mesh is.
+        """
         moved = vertices.copy()
-        counts = [np.maximum(half.T @ np.ones(half.shape[0]), 0.3) for half in (self.upper, self.lower)]
-        for _ in range(6):
-            excess = np.maximum(self.gaps(moved) - wanted, 0.0)
-            moved[:, 1] += (self.lower.T @ excess) / counts[1] / 2 - (self.upper.T @ excess) / counts[0] / 2
+        for sign, half, pull in ((-1, self.upper, self.upper_pull), (1, self.lower, self.lower_pull)):
+            near = np.flatnonzero(pull > 0.02)
+            if len(near):
+                about = cKDTree(vertices[near]).sparse_distance_matrix(
+                    cKDTree(half @ vertices), 3 * _PINCH_MM, output_type="coo_matrix"
+                )
+                weight = np.exp(-((about.data / _PINCH_MM) ** 2))
+                spread = sparse.csr_matrix((weight, (about.row, about.col)), (len(near), half.shape[0]))
+                total = np.maximum(np.asarray(spread.sum(axis=1)).ravel(), 0.3)
+                share = pull[near] / max(float(pull.max()), 1e-9) / total
+                for _ in range(4):
+                    excess = np.maximum(self.gaps(moved) - wanted, 0.0)
+                    moved[near, 1] += sign * 0.7 * share * (spread @ excess)
         return moved - vertices
 
 

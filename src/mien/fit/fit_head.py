@@ -335,7 +335,8 @@ class _Builder:
             blink = f"eyeBlink{side}"
             own = lid_seam(side)
             wanted = np.maximum(own.gaps(self.skin + self.reshaped.targets[blink]), _LID_OVERLAP)
-            targets[blink] += lids.closing(vertices + targets[blink], wanted)
+            closed = lids.closing(vertices + targets[blink], wanted)
+            targets[blink] += closed + lids.pinching(vertices + targets[blink] + closed, wanted)
             gap = float(np.percentile(lids.gaps(vertices + targets[blink]), 95))
             lid_gap = gap if np.isnan(lid_gap) else max(gap, lid_gap)
         return lip_gap, max(lid_gap, 0.0) if not np.isnan(lid_gap) else lid_gap

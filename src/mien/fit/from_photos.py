@@ -18,6 +18,7 @@ from mien.fit.photo_camera import PhotoCamera
 from mien.fit.photo_marks import Photo
 from mien.fit.photo_obstacles import obstacles
 from mien.fit.photo_paint import Painted, PaintSettings, paint_from_photos
+from mien.fit.photo_white import balanced, colour_of_light, lamp_note, light_note
 from mien.fit.shape_from_photos import PhotoFit, PhotoFitSettings, shape_from_photos
 
 __all__ = ["PhotoFace", "face_from_photos"]
@@ -75,12 +76,35 @@ def face_from_photos(
     pictures = [photo.picture for photo in photos]
     centred, cameras = _about_the_eyes(reshaped.face, fit)
     skin = centred.part(SKIN).vertices.astype(np.float64)
-    painted = paint_from_photos(space, skin + fit.posed - fit.vertices, pictures, cameras, paint)
+    posed = skin + fit.posed - fit.vertices
+    pictures, told = _in_neutral_light(space, centred, posed, pictures, cameras, photos[0].name)
+    painted = paint_from_photos(space, posed, pictures, cameras, paint)
     parts = [_repainted(space, part, painted, pictures, cameras, centred) for part in centred.parts]
     kept = tuple(part for part in parts if part.name != "brows" and (hair or part.name not in _HAIR_PARTS))
     face = replace(centred, parts=kept, licence="")
     before = obstacles(space, fit.posed, pictures[0], fit.cameras[0], photos[0].name)
-    return PhotoFace(face, fit, painted, (*fit.notes, *before))
+    return PhotoFace(face, fit, painted, (*fit.notes, *before, *told))
+
+
+def _in_neutral_light(
+    space: HeadSpace,
+    face: Face,
+    skin: Floats,
+    pictures: list[NDArray[np.uint8]],
+    cameras: Sequence[PhotoCamera],
+    name: str,
+) -> tuple[list[NDArray[np.uint8]], list[Note]]:
+    """The first picture without the cast of its light (the others are matched to it), and what is said of the light."""
+    irises = []
+    for eye in face.eyes:
+        radius = float(np.median(np.linalg.norm(face.part(eye.part).vertices - np.array(eye.centre), axis=1)))
+        irises.append(np.array([*np.add(eye.centre, (0.0, 0.0, 0.9 * radius)), 0.42 * radius]))
+    notes = [lamp_note(space, skin, pictures[0], cameras[0], name)]
+    light = colour_of_light(space, skin, pictures[0], cameras[0], tuple(irises))
+    if light is not None:
+        notes.append(light_note(name, light))
+        pictures = [balanced(pictures[0], light), *pictures[1:]]
+    return pictures, [note for note in notes if note is not None]
 
 
 def _about_the_eyes(face: Face, fit: PhotoFit) -> tuple[Face, list[PhotoCamera]]:

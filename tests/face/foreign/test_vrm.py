@@ -96,3 +96,17 @@ def test_expressions_of_paint_are_named():
     zero = {"blendShapeMaster": {"blendShapeGroups": [{"name": "O", "materialValues": [{}]}, {"name": "A"}]}}
     content = {"extensions": {"VRMC_vrm": one, "VRM": zero}}
     assert vrm_painted(GltfDocument(Path("a.vrm"), content)) == ("aa", "O")
+
+
+@pytest.mark.parametrize(
+    "extensions",
+    [
+        {"VRMC_springBone": {"springs": [{"joints": []}, {"joints": []}]}},
+        {"VRM": {"secondaryAnimation": {"boneGroups": [{"bones": [0]}, {"bones": [1]}]}}},
+    ],
+)
+def test_spring_bones_are_counted(extensions) -> None:
+    from mien.face.foreign.vrm import vrm_springs
+
+    assert vrm_springs(GltfDocument(Path("a.vrm"), {"extensions": extensions})) == 2
+    assert vrm_springs(GltfDocument(Path("a.vrm"), {"extensions": {"VRM": {"secondaryAnimation": {}}}})) == 0

@@ -16,7 +16,7 @@ from mien.face.foreign.recognition import EMPTY, UNKNOWN, UNNAMED, DrivenTarget,
 from mien.face.foreign.rig_names import OwnNames
 from mien.face.foreign.rig_nodes import PARTS, lowered_arms
 from mien.face.foreign.target_geometry import Likeness, likenesses
-from mien.face.foreign.vrm import is_vrm, vrm_painted
+from mien.face.foreign.vrm import is_vrm, vrm_painted, vrm_springs
 
 __all__ = [
     "FaceReport", "MeshReport", "MissingChannels", "TargetReport", "face_report", "inspect_face", "names_table",
@@ -115,6 +115,8 @@ class FaceReport:
         Targets that move like something other than their names say.
     painted : tuple of str
         VRM expressions that move textures or colours, which is not followed.
+    springs : int
+        Chains of VRM's spring bones: kept in the file, drawn still.
     """
 
     path: str
@@ -135,6 +137,7 @@ class FaceReport:
     proposals: dict[str, str]
     lying: dict[str, str]
     painted: tuple[str, ...] = ()
+    springs: int = 0
 
     def as_dict(self) -> dict[str, Any]:
         """The same in plain lists and dicts, ready for JSON."""
@@ -196,6 +199,10 @@ class FaceReport:
         told += [f"no {', '.join(lost.channels)} ({lost.weight}): {lost.words}" for lost in self.missing]
         if self.painted:
             told.append(f"expressions that move textures or colours, not followed: {', '.join(self.painted)}")
+        if self.springs:
+            told.append(
+                f"spring bones (hair, clothes): {self.springs} chains, kept for players that swing them; drawn still"
+            )
         if self.animations:
             told.append(f"it has {self.animations} animation(s) of its own; they are kept, the performance comes first")
         told.append(f"drawing (.mp4, .png): {self.not_drawn or 'yes'}")
@@ -262,6 +269,7 @@ def face_report(face: ForeignFace) -> FaceReport:
         proposals={_name(face, key): _like(likeness) for key, likeness in face.proposals.items()},
         lying=_lying(face, likely),
         painted=vrm_painted(document),
+        springs=vrm_springs(document),
     )
 
 

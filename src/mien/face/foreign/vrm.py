@@ -21,6 +21,7 @@ __all__ = [
     "vrm_eye_degrees",
     "vrm_gaze_by_shapes",
     "vrm_painted",
+    "vrm_springs",
 ]
 
 _PARTS = {
@@ -167,3 +168,10 @@ def vrm_painted(document: GltfDocument) -> tuple[str, ...]:
         str(f.get("name") or f.get("presetName")) for f in zero if isinstance(f, dict) and f.get("materialValues")
     ]
     return tuple(found)
+
+
+def vrm_springs(document: GltfDocument) -> int:
+    """How many chains of bones (hair, clothes) the avatar wants to swing; they are kept, but drawn still."""
+    one = _extension(document, "VRMC_springBone").get("springs")
+    zero = (_extension(document, "VRM").get("secondaryAnimation") or {}).get("boneGroups")
+    return sum(len(chains) for chains in (one, zero) if isinstance(chains, list))
