@@ -206,7 +206,7 @@ def real_files(paths: list[Path]) -> str:
         return ""
     lines = [
         "",
-        "## Other real files",
+        "## Other files",
         "",
         "What mien itself says of them (`face inspect`, `face fit`, `from-photos`).",
         "",

@@ -74,3 +74,10 @@ def test_teeth_of_a_head_that_nods() -> None:
     pieces = [Piece("tooth", np.zeros(1, np.int64), np.zeros(3), 0.0)] * 28
     found = [piece.kind for piece in _upper_and_lower(pieces, upper + lower, mouth)]
     assert found == ["upper"] * 14 + ["lower"] * 14
+
+
+def test_a_tongue_is_no_tooth() -> None:
+    space = head_space()
+    mouth = _Mouth.of({name: space.rest[mark.vertex] for name, mark in known_landmarks().items()})
+    assert mouth.kind(default_face().part("tongue").vertices.astype(float)) == "tongue"
+    assert mouth.kind(default_face().part("teeth_lower").vertices.astype(float)) == "tooth"

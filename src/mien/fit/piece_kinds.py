@@ -169,9 +169,9 @@ class _Mouth:
         if max(long, deep) < _TOOTH and high < _ROOT:  # a tooth may have its root
             return "tooth"
         arm = (used - (used.max(0) + used.min(0)) / 2) / self.width
-        filled = float(((np.abs(arm[:, 0]) < 0.12) & (arm[:, 2] < 0.1)).mean()) > 0.12  # no horseshoe
+        filled = float(((np.abs(arm[:, 0]) < 0.12) & (arm[:, 2] < 0.1)).mean()) > 0.05  # no horseshoe
         low = used[:, 1].mean() < self.middle[1]
-        if filled and low and long < 0.95 and deep > 0.5 and high < 0.75:
+        if filled and low and long < 0.95 and deep > 0.5 and high < 0.85:
             return "tongue"
         return "tooth" if high < _ROW else "gums"
 
