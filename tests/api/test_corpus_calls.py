@@ -85,7 +85,7 @@ def test_a_file_that_is_no_performer_is_called_so(
 ) -> None:
     (tmp_path / "rav.json").write_text("{}")
     assert main([*command, str(tmp_path / "rav.json")]) == 2
-    assert "rav.json is no performer: expected a file that ends in .mien" in capsys.readouterr().err
+    assert "rav.json is not a performer: expected a file that ends in .mien" in capsys.readouterr().err
 
 
 def test_a_performer_is_written_to_a_mien_file_only(tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ def test_a_phone_that_is_none_is_named(tmp_path: Path) -> None:
     write_speech(tmp_path, "a")
     grid = tmp_path / "a.TextGrid"
     grid.write_text(grid.read_text(encoding="utf-8").replace('"IH1"', '"ɪ"'), encoding="utf-8")
-    with pytest.raises(InputError, match=r"a\.TextGrid, at 0\.600 s: 'ɪ' is no ARPAbet phone"):
+    with pytest.raises(InputError, match=r"a\.TextGrid, at 0\.600 s: 'ɪ' is not an ARPAbet phone"):
         read_transcript(grid)
 
 

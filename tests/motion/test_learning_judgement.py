@@ -81,7 +81,7 @@ def test_twins_that_are_none_are_refused() -> None:
     assert variance_ratio(wrong) > 1.0
     judgement = judge([wrong.neutral], [wrong.expressive])
     assert not judgement.twins
-    assert any("they are no twins" in note.message for note in judgement.notes)
+    assert any("they do not match" in note.message for note in judgement.notes)
 
 
 def test_why_no_map_is_learned_is_said() -> None:

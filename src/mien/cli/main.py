@@ -474,7 +474,7 @@ def _unused(options: argparse.Namespace, outputs: Sequence[str]) -> list[Note]:
         unused |= _OF_FRAMES if hasattr(options, "voice_emotion") else _OF_FRAMES | _OF_FACES
     asked = {name: value for name in unused if (value := getattr(options, name, None)) not in (unused[name], None)}
     given = [f"--{name.replace('_', '-')} {' '.join(v) if isinstance(v, list) else v}" for name, v in asked.items()]
-    return [Note("warning", f"{option} has no effect: nothing of it is in {suffixes}") for option in given]
+    return [Note("warning", f"{option} has no effect on {suffixes}") for option in given]
 
 
 def _align(options: argparse.Namespace) -> int:

@@ -176,7 +176,7 @@ def _compiled(what: str, pattern: str) -> Mapping[str, int]:
     try:
         return re.compile(pattern).groupindex
     except re.error as problem:
-        raise InputError(f"the {what} {pattern!r} is no regular expression: {problem}") from problem
+        raise InputError(f"the {what} {pattern!r} is not a valid regular expression: {problem}") from problem
 
 
 def _check_pattern(pattern: str) -> None:

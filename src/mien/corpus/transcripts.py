@@ -113,7 +113,7 @@ def _arpabet(path: Path, tier: Tier) -> Tier:
             symbol = label.upper().rstrip("012")
             if symbol not in phone_table():
                 raise InputError(
-                    f"{path}, at {interval.start:.3f} s: {label!r} is no ARPAbet phone; rename it, or leave "
+                    f"{path}, at {interval.start:.3f} s: {label!r} is not an ARPAbet phone; rename it, or leave "
                     "the tier of phones out and the words are aligned"
                 )
         intervals.append(Interval(interval.start, interval.end, symbol))

@@ -350,9 +350,9 @@ class _Builder:
 
     def _tell(self, folded: Mapping[str, float], lip_gap: float, lid_gap: float) -> None:
         if np.isnan(lip_gap):
-            self.notes.append(Note("warning", "no lips that part were found: the mouth will not open"))
+            self.notes.append(Note("warning", "no lips that can open were found: the mouth will not open"))
         if np.isnan(lid_gap):
-            self.notes.append(Note("warning", "no eyelids that part were found: the eyes will not shut"))
+            self.notes.append(Note("warning", "no eyelids that can close were found: the eyes will not shut"))
         bare = [side.lower() for side in self.parts.unpainted_eyes()]
         if bare and "eyes" in self.added:
             self.notes.append(Note("note", f"eyeballs without paint replaced by painted ones: {' and '.join(bare)}"))

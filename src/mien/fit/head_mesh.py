@@ -236,7 +236,7 @@ def _wound_outward(
         inward = np.where(bulge != 0, bulge < 0, inward)
     turned = inward[label]
     if turned.any():
-        notes.append(Note("note", f"faces that looked inward, turned round: {int(turned.sum())}"))
+        notes.append(Note("note", f"faces that pointed inward, turned over: {int(turned.sum())}"))
     return np.where(turned[:, None], triangles[:, ::-1], triangles).astype(np.int32)
 
 

@@ -34,7 +34,7 @@ def read_stl(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         del data
         corners = _corners(path)
     else:
-        raise InputError(f"{path} is no STL file, or cut off: it holds {len(data)} bytes for {count} triangles")
+        raise InputError(f"{path} is not an STL file, or cut off: it holds {len(data)} bytes for {count} triangles")
     if len(corners) == 0 or len(corners) % 3 or not np.isfinite(corners).all():
         raise InputError(f"{path}: no whole triangles in it")
     vertices, number = np.unique(corners, axis=0, return_inverse=True)

@@ -272,7 +272,7 @@ def fap_units(face: Face) -> dict[str, float]:
     }
     unusable = [name for name, length in distances.items() if not length > 0]
     if unusable:
-        raise InputError(f"face {face.name!r}: {', '.join(unusable)} is no distance above 0 mm")
+        raise InputError(f"face {face.name!r}: {', '.join(unusable)} must be distances above 0 mm")
     return {name: float(length) / 1024 for name, length in distances.items()} | {"AU": _ANGLE_UNIT}
 
 

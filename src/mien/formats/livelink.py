@@ -441,7 +441,10 @@ def beyond_arkit(track: ChannelTrack, file: str) -> tuple[Note, ...]:
     notes = []
     if apart > _SIDES_APART:
         notes.append(
-            Note("note", f"{file} has one channel for both inner brows: sides up to {apart:.2f} apart are evened")
+            Note(
+                "note",
+                f"{file} has one channel for both inner brows: sides up to {apart:.2f} apart are averaged",
+            )
         )
     if moved:
         notes.append(Note("note", f"{file} has ARKit's 52 channels and cannot hold {', '.join(moved)}"))

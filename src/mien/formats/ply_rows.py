@@ -32,13 +32,13 @@ def read_ply_rows(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is no PLY file, or damaged.
+        If it is not a PLY file, or damaged.
     """
     check_begun(path)
     data = read_bytes(path, "mesh")
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
-        raise InputError(f"{path} is no PLY file: it does not start with 'ply' and a header")
+        raise InputError(f"{path} is not a PLY file: it does not start with 'ply' and a header")
     header = data[:end].decode("ascii", errors="replace").split("\n")
     body = data[data.index(b"\n", end) + 1 :]
     try:

@@ -124,7 +124,7 @@ def read_textgrid(path: str | Path) -> list[Tier]:
         _, _, flag = _take(tokens, 3)
         return [_read_tier(tokens) for _ in range(_count(*_take(tokens, 1)))] if flag == "<exists>" else []
     except (ValueError, InputError) as problem:
-        raise InputError(f"{path} is no well-formed TextGrid: {problem}") from problem
+        raise InputError(f"{path} is not a well-formed TextGrid: {problem}") from problem
 
 
 def _tokens(path: Path) -> Iterator[str | float]:

@@ -110,7 +110,7 @@ def write_usd(animation: Animation, face: Face, path: str | Path) -> tuple[Note,
         return notes
     return (
         *notes,
-        Note("note", f"pictures and sound of {path.name} stand in the folder {companion_folder(path).name}"),
+        Note("note", f"pictures and sound of {path.name} are in the folder {companion_folder(path).name}"),
     )
 
 

@@ -99,7 +99,7 @@ def judge(takes: Sequence[Take], felt: Sequence[Take] = (), *, speakers: str = "
         Note(
             "warning" if few else "note",
             f"{said.seconds / 60:.1f} minutes of speech in {said.takes} takes"
-            + (f": a mouth wants {FEW_MINUTES:g} at least, and twenty do it well" if few else ""),
+            + (f": at least {FEW_MINUTES:g} are needed, and twenty are good" if few else ""),
         )
     )
     notes.append(Note("warning" if said.missing_phones else "note", f"phones: {said.phones_line}"))
@@ -238,7 +238,7 @@ def _twins(takes: Sequence[Take], felt: Sequence[Take]) -> tuple[list[Twins], li
         if ratio > 1.0:
             said = f"its mouth's variance grows {ratio:.2f} times (at most 1) without that of {pair.neutral.name!r}"
             notes.append(
-                Note("warning", f"no expression is learned from {pair.expressive.name!r}: {said}: they are no twins")
+                Note("warning", f"no expression is learned from {pair.expressive.name!r}: {said}: they do not match")
             )
         else:
             kept.append(pair)

@@ -90,7 +90,7 @@ class MarkerPairs:
             arrays = [np.asarray(file[key], dtype=np.float64) for key in ("displacements", "weights")]
         unknown = [name for name in names[1] if name not in ALL]
         if unknown:
-            raise InputError(f"{path}: {', '.join(unknown[:5])} are no channels of mien")
+            raise InputError(f"{path}: {', '.join(unknown[:5])} are not channels of mien")
         if arrays[0].shape[1:] != (len(names[0]), 3) or arrays[1].shape != (len(arrays[0]), len(names[1])):
             raise InputError(
                 f"{path}: expected displacements (pairs, {len(names[0])}, 3) and weights (pairs, {len(names[1])}), "

@@ -68,7 +68,9 @@ def load_learned_performer(name: str | Path) -> LearnedSpeech:
 def _unknown(what: str, name: str, known: Iterable[str]) -> InputError:
     """A name that nobody has, or a file that is of something else."""
     if len(name) < 256 and Path(name).is_file():  # longer ones are no file's, and is_file would raise
-        return InputError(f"{name} is no performer: expected a file that ends in .mien, or one of {', '.join(known)}")
+        return InputError(
+            f"{name} is not a performer: expected a file that ends in .mien, or one of {', '.join(known)}"
+        )
     return unknown_name(what, name, known)
 
 

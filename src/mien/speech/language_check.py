@@ -80,7 +80,7 @@ def check_language(asked: str | Path, sentences: Sequence[str] = ()) -> Language
     Raises
     ------
     InputError
-        If a phone is in no table, the language has no voice, or there is nothing to speak.
+        If a phone is in none of its tables, the language has no voice, or there is nothing to speak.
     MissingPartError
         If eSpeak NG is not installed.
 

@@ -157,7 +157,7 @@ def _cuts(speech: Speech, words: int) -> list[Break]:
 
 def _as_spoken(spoken: SpokenText, voice: Voice, speech: Speech) -> Utterance:
     if speech.phones is None or speech.words is None:
-        raise AlignmentError(f"the voice {voice.name!r} told no times; choose another voice")
+        raise AlignmentError(f"the voice {voice.name!r} gave no times; choose another voice")
     if voice.own_language is not None:
         return _in_language(spoken.written, speech.audio, speech.words, speech.phones, voice.own_language, "voice")
     return Utterance(spoken.written, speech.audio, speech.words, speech.phones, voice.language, "voice")

@@ -189,7 +189,7 @@ class _Block:
             parts, offset = whole, 0.0  # a name such as sync-1
         if len(parts) > 2 and is_whole(parts[-1]):
             if parts[-1] != "1":
-                self.note(element, f"{text!r}: the repetition {parts[-1]} is not told apart; the first is taken")
+                self.note(element, f"{text!r}: the repetition {parts[-1]} cannot be selected; the first is used")
             parts = parts[:-1]
         if len(parts) == 3:
             if self.name and parts[0] != self.name:
@@ -312,7 +312,7 @@ class _Block:
             self._feed(builder, child)
         read = builder.finish()
         if read.commands or read.curves or read.emotions or read.prosody:
-            self.note(element, "commands and prosody inside <text> are left out: give them as behaviours")
+            self.note(element, "commands and prosody inside <text> are ignored: give them as behaviours")
         spoken = [segment for segment in read.segments if segment.text.strip()]
         if not spoken:
             raise self.fault(element, f"the speech {name!r} has no text: <speech><text>…</text></speech>")
@@ -422,7 +422,7 @@ class _Block:
         target = element.given.get("target", "camera")
         yaw, pitch = gaze_targets().get(target.lower(), (0.0, 0.0))
         if target.lower() not in gaze_targets():
-            self.note(element, f"nothing called {target!r} stands in the scene: the camera is looked at")
+            self.note(element, f"nothing called {target!r} is in the scene: the face looks at the camera")
         try:
             angle = float(element.given.get("offsetAngle", 0))
         except ValueError:

@@ -123,7 +123,7 @@ def _rate(text: str, builder: Builder) -> float:
     number = float(found[2]) / (100 if found[3] else 1)
     rate = 1 + number * (-1 if found[1] == "-" else 1) if found[1] else number
     if not 0.25 <= rate <= 4 and builder.is_ssml:
-        builder.note(f"prosody: a rate of {text} is brought to between 0.25 and 4 times as fast")
+        builder.note(f"prosody: a rate of {text} is limited to between 0.25 and 4 times as fast")
         return min(4.0, max(0.25, rate))
     if not 0.25 <= rate <= 4:
         raise InputError(f"a rate lies between 0.25 and 4 times as fast, not {rate:g}")
@@ -145,7 +145,7 @@ def _semitones(text: str, builder: Builder) -> float | None:
         factor = 1 + float(found[1]) / 100
         pitch = 12 * log2(factor) if factor > 0 else -99.0
     if not -12 <= pitch <= 12 and builder.is_ssml:
-        builder.note(f"prosody: a pitch of {text} is brought to within 12 semitones")
+        builder.note(f"prosody: a pitch of {text} is limited to within 12 semitones")
         return min(12.0, max(-12.0, pitch))
     if not -12 <= pitch <= 12:
         raise InputError(f"a pitch changes by at most 12 semitones, not {text!r}")

@@ -120,7 +120,7 @@ def parts_of(phones: Tier) -> Parts:
     Raises
     ------
     InputError
-        If a label is no ARPAbet phone and no pause.
+        If a label is not an ARPAbet phone and no pause.
 
     Examples
     --------

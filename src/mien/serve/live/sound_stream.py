@@ -124,7 +124,7 @@ def read_form(head: bytes) -> tuple[PcmForm, int] | None:
     if len(head) < 12:
         return None
     if head[8:12] != b"WAVE":
-        raise InputError("expected WAVE after the head of a RIFF stream: it is no sound, or damaged")
+        raise InputError("expected WAVE after the head of a RIFF stream: it is not a sound, or it is damaged")
     place, form = 12, None
     while place + 8 <= len(head):
         name, size = head[place : place + 4], int.from_bytes(head[place + 4 : place + 8], "little")

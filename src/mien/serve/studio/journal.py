@@ -302,9 +302,9 @@ def record_of(told: Mapping[str, Any], limits: Limits) -> Record:
     try:
         record = _told(None, told, limits)
     except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError) as problem:
-        raise InputError(f"this is no take of mien's studio ({type(problem).__name__}: {problem})") from problem
+        raise InputError(f"this is not a take of mien's studio ({type(problem).__name__}: {problem})") from problem
     if record is None or not record.steps or not 0 <= record.at < len(record.steps):
-        raise InputError("this is no take of mien's studio: it has no steps")
+        raise InputError("this is not a take of mien's studio: it has no steps")
     return record
 
 

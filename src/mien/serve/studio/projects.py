@@ -68,7 +68,7 @@ def _read(archive: zipfile.ZipFile, journal: Journal, faces: FaceShelf, limits: 
             "project", f"the project holds more than the {limits.kept_bytes:,} bytes that the studio takes"
         )
     if "project.json" not in archive.namelist():
-        raise FieldError("project", "this file is no project of mien's studio: it holds no project.json")
+        raise FieldError("project", "this file is not a project of mien's studio: it holds no project.json")
     told = parsed(archive.read("project.json"))
     if told.get("format") != FORMAT or told.get("version") != VERSION or not isinstance(told.get("takes"), dict):
         raise FieldError("project", f"expected {FORMAT}, version {VERSION}")

@@ -40,7 +40,9 @@ def read_with_espeak(text: str, language: Language) -> SpokenText:
         said = [(word, tuple(filter(None, map(_without_stress, next(answers))))) for word in _words_of(token, language)]
         spoken = [SpokenWord(word.lower(), token.start, token.end, "", phones) for word, phones in said if phones]
         for phone in (phone for _, phones in said for phone in phones):
-            language.segments(phone)  # a phone that is in no table is refused now, with a message that names it
+            language.segments(
+                phone
+            )  # a phone that is in none of its tables is refused now, with a message that names it
         dropped += [word for word, phones in said if not phones]
         words += spoken
         if words and token.pause and (spoken or not words[-1].pause):

@@ -92,12 +92,14 @@ class Language:
         return self._cut(plain.rstrip(self.table.get("tones", "")), phone)
 
     def _cut(self, sign: str, phone: str) -> tuple[Segment, ...]:
-        """A sign that is in no table, cut into the longest ones that are."""
+        """A sign that is in none of its tables, cut into the longest ones that are."""
         found: list[Segment] = []
         while sign:
             part = next((sign[:n] for n in range(len(sign), 0, -1) if sign[:n] in self._segments), "")
             if not part:
-                raise InputError(f"{self.name}: the phone {phone!r} is in no table: add it to [phones] of its file")
+                raise InputError(
+                    f"{self.name}: the phone {phone!r} is in none of its tables: add it to [phones] of its file"
+                )
             found += self._segments[part]
             sign = sign[len(part) :]
         return tuple(found)
