@@ -167,7 +167,7 @@ def test_options_that_no_format_has_a_use_for_are_reported() -> None:
     given = {"face": "x.glb", "deformer": "tree", "fps": "60"}
     notes = [note.message for note in _unused(argparse.Namespace(**given), ["a.wav", "b.TextGrid"])]
     assert [message.split(" has")[0] for message in notes] == ["--face x.glb", "--deformer tree", "--fps 60"]
-    assert notes[0].endswith("nothing of it is in .wav, .TextGrid")
+    assert notes[0].endswith("has no effect on .wav, .TextGrid")
     assert [n.message.split(" has")[0] for n in _unused(argparse.Namespace(**given), ["a.csv"])] == [
         "--face x.glb",
         "--deformer tree",

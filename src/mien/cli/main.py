@@ -12,6 +12,7 @@ import io
 import os
 import sys
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -37,7 +38,7 @@ from mien.cli.corpus_commands import add_corpus_commands
 from mien.cli.emotion_commands import add_emotion_commands
 from mien.cli.foreign_face import ShownFace, add_face_option, add_glb_options, checked_foreign_face, glb_style
 from mien.cli.help_page import HelpFormatter, examples_of, help_page, options_of, with_suggestion
-from mien.cli.progress_bar import progress_bar, telling
+from mien.cli.progress_bar import progress_bar, still_working, telling
 from mien.cli.record_command import add_record_command
 from mien.cli.stopping import put_off, stop_cleanly
 from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
@@ -52,6 +53,8 @@ __all__ = ["main"]
 
 
 _OF_STREAMS = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EPIPE, errno.EFBIG)
+_WAITING = ("live", "serve", "studio", "record", "interpret", "speak", "translate", "perform", "warm-up")
+"""Commands that wait for somebody, or say themselves what they do."""
 _WITHOUT_FRAMES = (".wav", ".textgrid")
 _OF_FRAMES: dict[str, str | None] = {
     "fps": "30", "performer": "default", "speech_model": None, "prosody": "0.5", "alive": "all",
@@ -105,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     stop_cleanly()
     when_compiling(None if getattr(options, "quiet", False) else _tell_of_compiling)
     try:
-        with claimed_outputs():
+        with claimed_outputs(), _at_work(options):
             code: int = options.run(options)
         sys.stdout.flush()
         _tell_of_folders(getattr(options, "quiet", False))
@@ -130,6 +133,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         about = "cannot write to standard output" if problem.errno in _OF_STREAMS else "the system refuses"
         print(f"mien: error: {about}: {problem.strerror or _one_line(problem)}", file=sys.stderr)
         return 2
+
+
+def _at_work(options: argparse.Namespace) -> AbstractContextManager[None]:
+    """A sign of life while a command works in silence; those that wait for somebody else have none."""
+    silent = getattr(options, "quiet", False) or options.command_name in _WAITING
+    return nullcontext() if silent else still_working(options.command_name)
 
 
 def _tell_of_compiling() -> None:
@@ -157,7 +166,9 @@ def _one_line(problem: BaseException) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="mien", description="Speech or text in, an expressive 3D talking face out.")
     parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
+    commands = parser.add_subparsers(
+        title="commands", dest="command_name", required=True, metavar="COMMAND", parser_class=_Parser
+    )
 
     _add_say(commands)
     _add_animate(commands)

@@ -1,22 +1,26 @@
-"""A bar on the terminal while something long goes on."""
+"""How far something long has come: a bar on a terminal, a line now and then in a log."""
 
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
 from mien.core.progress import listening
 
-__all__ = ["progress_bar", "telling"]
+__all__ = ["progress_bar", "still_working", "telling"]
 
 _SECONDS_BETWEEN_LINES = 10.0
+_SILENT = (2.0, 10.0, 30.0, 60.0)
+"""Seconds without a bar after which a terminal is told that work goes on; then once a minute."""
+_bars = 0
 
 
 @contextmanager
 def progress_bar(what: str, unit: str, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """A bar that is told how much is done of how much; no bar if quiet, or where nobody looks at a terminal.
+    """A bar that hears how much is done of how much; a line now and then in a log; nothing if quiet.
 
     Parameters
     ----------
@@ -26,18 +30,65 @@ def progress_bar(what: str, unit: str, quiet: bool = False) -> Iterator[Callable
         What is counted, with a blank before it.
     quiet : bool
     """
-    if quiet or not sys.stderr.isatty():
+    global _bars
+    if quiet:
         yield lambda done, total: None
+        return
+    if not sys.stderr.isatty():
+        log = _log()
+        yield lambda done, total: log(what, done, total)
         return
     from tqdm import tqdm
 
+    _bars += 1
     with tqdm(unit=unit, desc=what, leave=False) as bar:
 
         def show(done: int, total: int) -> None:
             bar.total = total
             bar.update(done - bar.n)
 
-        yield show
+        try:
+            yield show
+        finally:
+            _bars -= 1
+
+
+def _log() -> Callable[[str, int, int], None]:
+    last = time.monotonic()
+
+    def log(what: str, done: int, total: int) -> None:
+        nonlocal last
+        if time.monotonic() - last >= _SECONDS_BETWEEN_LINES:
+            print(f"mien: {what}: {done} of {total}", file=sys.stderr, flush=True)
+            last = time.monotonic()
+
+    return log
+
+
+@contextmanager
+def still_working(what: str) -> Iterator[None]:
+    """On a terminal, a line after two seconds without a bar, and now and then while it stays so."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    ended = threading.Event()
+
+    def watch() -> None:
+        begun, said = time.monotonic(), 0
+        while not ended.wait(0.2):
+            past = time.monotonic() - begun
+            due = _SILENT[said] if said < len(_SILENT) else 60.0 * (said - len(_SILENT) + 2)
+            if past >= due and _bars == 0:
+                print(f"mien: {what}: at work ({past:.0f} s)", file=sys.stderr, flush=True)
+            said += past >= due
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 @contextmanager
@@ -50,15 +101,7 @@ def telling(quiet: bool = False) -> Iterator[None]:
         with _Bars() as bars, listening(bars.show):
             yield
         return
-    last = time.monotonic()
-
-    def log(what: str, done: int, total: int) -> None:
-        nonlocal last
-        if time.monotonic() - last >= _SECONDS_BETWEEN_LINES:
-            print(f"mien: {what}: {done} of {total}", file=sys.stderr, flush=True)
-            last = time.monotonic()
-
-    with listening(log):
+    with listening(_log()):
         yield
 
 
