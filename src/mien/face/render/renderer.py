@@ -17,6 +17,7 @@ from mien.face.render import rasteriser as raster
 from mien.face.render.camera import Camera, head_extent
 from mien.face.render.colour import SRGB_BYTES, SRGB_STEPS, linear_from_srgb
 from mien.face.render.cores import cores, shared
+from mien.face.render.detail import Detail
 from mien.face.render.lighting import Lighting
 from mien.face.render.relief import relief_share, tile
 from mien.face.render.scene import LEVELS, Scene
@@ -90,7 +91,9 @@ class Renderer:
         self.scale = _scale(face)
         self.camera = (camera or Camera.portrait(face, width / height)).scaled(self.scale)
         self.lighting = lighting or Lighting.portrait()
-        self.scene = Scene.of(face if self.scale == 1 else _scaled(face, self.scale), self.lighting.reach_mm)
+        whole = face if self.scale == 1 else _scaled(face, self.scale)
+        self.detail = Detail.of(whole, self.camera.field_mm / height)
+        self.scene = Scene.of(self.detail.face if self.detail else whole, self.lighting.reach_mm)
         self._folds = [
             (folds, self.scene.texels[folds.texels], number)
             for number, (part, levels) in enumerate(zip(face.parts, self.scene.texture_level, strict=True))
@@ -214,14 +217,16 @@ class Renderer:
         return self.backdrop.copy()
 
     def joined(self, posed: PosedFace) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Vertices (scaled) and normals of all parts of a pose, end to end; InputError if it is of another face."""
-        given, expected = [len(p.vertices) for p in posed.parts], np.diff(self.scene.starts).tolist()
+        """Vertices (scaled) and normals of a pose as they are drawn; InputError if it is of another face."""
+        given, expected = [len(p.vertices) for p in posed.parts], [len(p.vertices) for p in self.face.parts]
         if given != expected:
             raise InputError(f"the pose has parts of {given} vertices, face {self.face.name!r} of {expected}")
         vertices = np.concatenate([part.vertices for part in posed.parts])
         normals = np.concatenate([part.normals for part in posed.parts])
         if self.scale != 1:
             vertices = vertices * np.float32(self.scale)
+        if self.detail is not None:
+            return self.detail.posed(vertices, normals)
         return vertices.astype(np.float32), normals.astype(np.float32)
 
     def _light(

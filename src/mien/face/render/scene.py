@@ -13,6 +13,7 @@ from mien.face.model import Face, Part
 from mien.face.normals import normals_of
 from mien.face.posing import welded_vertices
 from mien.face.render.colour import linear_from_srgb
+from mien.face.render.detail import moves as moves_of
 from mien.face.render.relief import TILE_MM
 
 __all__ = ["LEVELS", "Scene"]
@@ -25,7 +26,7 @@ LEVELS = 12  # of a texture, each half the size of the last
 _SHEET_SHARE = 0.08
 _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) cast no shadow worth its time
 # What lies and moves so close together (mm) casts shadows as one point: those of the key light, those of the others.
-_FINE, _COARSE = (2.2, 5.0), (9.0, 15.0)
+_FINE, _COARSE = (2.2, 5.0), (13.0, 24.0)
 _FADE_MM = 28.0
 _IN_MOUTH, _CAVITY = ("teeth", "tongue", "gum"), 0.8
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
@@ -140,7 +141,7 @@ class Scene:
         sheet = np.array([share > _SHEET_SHARE for _, share in rims])
         casts = _casts(parts) & ~sheet & ~clear
         casting = _triangles_of(parts, starts, casts)
-        moves = np.concatenate([_moves(part) for part in parts])
+        moves = np.concatenate([moves_of(part) for part in parts])
         owner = np.repeat(np.arange(len(parts)), [len(part.vertices) for part in parts])
         (casters, caster_vertices), (coarse, coarse_vertices) = (
             _coarser(owner, vertices, moves, casting, *near) for near in (_FINE, _COARSE)
@@ -225,16 +226,6 @@ def _coarser(
     turned = np.take_along_axis(corner, (corner.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
     kept, places = np.unique(np.unique(turned, axis=0), return_inverse=True)
     return np.ascontiguousarray(places.reshape(-1, 3), dtype=np.int32), kept.astype(np.int32)
-
-
-def _moves(part: Part) -> Floats:
-    """How each vertex moves, as two mixtures of its targets: lips that touch at rest differ. Shape (n, 6), mm."""
-    mixed = np.zeros((len(part.vertices), 2, 3), dtype=np.float32)
-    for number, name in enumerate(sorted(part.targets)):
-        target = part.targets[name]
-        for k, step in enumerate((0.6180339887, 0.4142135624)):
-            np.add.at(mixed[:, k], target.vertices, np.float32(np.cos(2 * np.pi * step * number)) * target.offsets)
-    return mixed.reshape(len(part.vertices), 6)
 
 
 def _lift(part: Part, casts: np.bool_) -> Floats:
