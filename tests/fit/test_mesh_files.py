@@ -149,6 +149,13 @@ def test_stl_binary_and_ascii(tmp_path):
         np.testing.assert_allclose(mesh.vertices[mesh.triangles].reshape(-1, 3), corners)
 
 
+@pytest.mark.parametrize("row", ["0 0 0", "1e300 {} 0", "{} 0 0"])
+def test_points_without_a_surface_are_refused(row, tmp_path):
+    (tmp_path / "a.obj").write_text("".join(f"v {row.format(i)}\n" for i in range(6)) + "f 1 2 3\nf 4 5 6\n")
+    with pytest.raises(InputError, match="no surface"):
+        read_mesh(tmp_path / "a.obj")
+
+
 def test_usd_polygons_are_placed_and_cut_into_fans(tmp_path):
     (tmp_path / "a.usda").write_text(
         """#usda 1.0

@@ -28,6 +28,7 @@ from mien.formats.ply_rows import read_ply_rows
 
 __all__ = ["read_mesh", "read_picture"]
 
+_LARGEST = 1e9  # of whatever unit; a head in micrometres has 3e5
 Floats = NDArray[np.float64]
 
 
@@ -71,11 +72,23 @@ def read_mesh(path: str | Path, texture: str | Path | None = None) -> GivenMesh:
         raise InputError(f"{path}: {told}, not from {suffix or 'no suffix'!r}")
     if not len(mesh.triangles):
         raise InputError(f"{path} has no faces: a head's surface is needed, not points or lines")
+    _check_surface(path, mesh)
     if texture is None:
         return mesh
     if not mesh.uv.any():
         raise InputError(f"{path} has no texture places for the picture {texture}")
     return GivenMesh(mesh.vertices, mesh.triangles, mesh.uv, mesh.colours, read_picture(texture))
+
+
+def _check_surface(path: Path, mesh: GivenMesh) -> None:
+    """Refuse points that all lie together or beyond all measure, and faces that span nothing."""
+    size = float(np.ptp(mesh.vertices, axis=0).max())
+    a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
+    if size < _LARGEST and np.abs(np.cross(b - a, c - a)).sum() > 0:
+        return
+    raise InputError(
+        f"{path}: no surface: its points lie together, in a line, or are beyond all measure ({size:.3g} wide)"
+    )
 
 
 def _unpainted(vertices: Floats, triangles: NDArray[np.int32], colours: Floats | None = None) -> GivenMesh:
