@@ -163,3 +163,16 @@ def test_words_that_espeak_says_together_share_their_time() -> None:
         ("the", 0.2, 0.4),
         ("boat", 0.4, 0.7),
     ]
+
+
+def test_no_phone_is_in_two_words() -> None:
+    """``CDATA``: the engine tells T before the end of the A that comes first."""
+    words = [Word("a.", ("EY",)), Word("t.", ("T", "IY")), Word("a.", ("EY",)), Word("o.", ("OW",))]
+    phones = [Interval(0.4, 0.5, "EY"), Interval(0.5, 0.6, "T"), Interval(0.6, 0.7, "IY"), Interval(0.7, 0.9, "EY")]
+    found = words_in_time(words, [0, 2, 4, 6], {0: 0.3, 2: 0.44, 4: 0.65, 6: 0.95}, phones)
+    assert [(w.label, round(w.start, 3), round(w.end, 3)) for w in found] == [
+        ("a.", 0.4, 0.5),
+        ("t.", 0.5, 0.7),
+        ("a.", 0.7, 0.8),
+        ("o.", 0.8, 0.9),
+    ]

@@ -171,19 +171,27 @@ def words_in_time(
     """Every word's interval, from the starts that the engine told for some of them.
 
     The engine says small words together ("of the") and tells one start: the stretch is shared out by the words'
-    numbers of phones.
+    numbers of phones. No phone is in two words; words that are told when all phones are taken share those before.
     """
     told = [number for number, character in enumerate(characters) if number == 0 or character in starts]
     found: list[Interval] = []
+    stretches: list[tuple[int, int, float, float]] = []
+    free = list(phones)
     for first, after in pairwise([*told, len(words)]):
         start = starts.get(characters[first], 0.0)
         end = starts[characters[after]] if after < len(words) else float("inf")
         # A word starts at the phone nearest to what was told, which may be a few milliseconds early or late.
-        inside = [phone for phone in phones if start <= phone.middle < end]
-        if not inside:
-            inside = [min(phones, key=lambda phone: abs(phone.start - start))]
+        inside = [phone for phone in free if start <= phone.middle < end]
+        if not inside and free:
+            inside = [min(free, key=lambda phone: abs(phone.start - start))]
+        if inside:
+            stretches.append((first, after, inside[0].start, inside[-1].end))
+            free = [phone for phone in free if phone.start >= inside[-1].end]
+        elif stretches:
+            stretches[-1] = (stretches[-1][0], after, *stretches[-1][2:])
+    for first, after, begin, end in stretches:
         shares = np.cumsum([0, *(len(word.phones) for word in words[first:after])])
-        edges = np.interp(shares / shares[-1], [0.0, 1.0], [inside[0].start, inside[-1].end]).tolist()
+        edges = np.interp(shares / shares[-1], [0.0, 1.0], [begin, end]).tolist()
         found += [Interval(a, b, word.text) for word, (a, b) in zip(words[first:after], pairwise(edges), strict=True)]
     return found
 
