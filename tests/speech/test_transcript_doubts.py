@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mien.core.audio import Audio
 from mien.core.utterance import PAUSE
 from mien.speech.aligned_phone import AlignedPhone
-from mien.speech.transcript_doubts import doubts, misfits, noise_below
+from mien.speech.transcript_doubts import _poor_runs, doubts, misfits, noise_below
 from mien.text.normalisation import spoken_words
 
 RATE = 16_000
@@ -73,3 +73,18 @@ def test_noise_is_told_by_the_pauses() -> None:
 
 def test_a_quiet_pause_raises_no_doubt() -> None:
     assert misfits(speech_like(3.8, silent=(0.0, 1.0)), row([-0.4] * 28, pause_before=1.0)) == []
+
+
+def test_phones_that_are_each_a_little_unlikely_add_up() -> None:
+    scores = [-0.5] * 12 + [-2.4] * 14 + [-0.5] * 12
+    assert not _poor_runs(_row(scores[:12]), -2.6)
+    found = _poor_runs(_row(scores), -2.6)
+    assert [(misfit.first_word, misfit.last_word) for misfit in found] == [(12, 25)]
+
+
+def test_one_odd_phone_does_not_add_up() -> None:
+    assert not _poor_runs(_row([-0.5] * 9 + [-30.0] + [-0.5] * 9), -2.6)
+
+
+def _row(scores: list[float]) -> list[AlignedPhone]:
+    return [AlignedPhone("AA", 0.1 * n, 0.1 * n + 0.1, n, score, 0.0) for n, score in enumerate(scores)]

@@ -3,7 +3,8 @@
 Three signs are looked for, with limits calibrated on true and on spoilt transcripts, in quiet and in noise
 (docs/tables/noise.md, docs/tables/alignment.md):
 
-* a run of phones, or a word, that is far less likely than what else could be said there;
+* a run of phones that is far less likely than what else could be said there, or phones one after another that are each
+  somewhat less likely than they may be, until it adds up (in noise the first alone is rare: few phones are sure);
 * words laid on silence;
 * speech between two words that the text has no words for.
 
@@ -35,10 +36,16 @@ LOWEST_RUN_SCORE_THROUGH_A_MAP = -4.0
 """The same for a language whose phones the English model hears through a phone map (docs/languages.md)."""
 LOWEST_PHONE_SCORE = -8.0
 """Scores are clipped here, so that one odd phone does not condemn its run."""
+EACH, SUM = 1.1, 10.0
+"""How far above the mean of a poor run a single phone begins to count, and what must come together in a row."""
+LOWEST_IN_SUM = 3.4
+"""How far below that mean a phone counts at most: one that is odd is not enough."""
 QUIET_WORD = 36.0
 """Decibels that the loudest part of a word lies below speech for the word to count as laid on silence."""
-OTHER_SPEECH = 0.24
+OTHER_SPEECH = 0.28
 """Seconds of speech between two words that count as words left out."""
+OTHER_IN_NOISE, LOUD_NOISE = 0.31, 9.0
+"""The same where noise lies less than so many decibels below the voice: what babbles is speech too."""
 NOISY = 15.0
 """Decibels by which noise lies below the voice at most for it to be named."""
 _FRAME = 0.02
@@ -106,7 +113,7 @@ def misfits(audio: Audio, phones: Sequence[AlignedPhone], lowest: float = LOWEST
     found = (
         _poor_runs(spoken, lowest)
         + _words_on_silence(spoken, loudness, level)
-        + _wordless_speech(phones, loudness, level)
+        + _wordless_speech(phones, loudness, level, noise_below(audio, phones))
     )
     return sorted(found, key=lambda misfit: misfit.start)
 
@@ -131,10 +138,25 @@ def _poor_runs(spoken: Sequence[AlignedPhone], lowest: float) -> list[Misfit]:
     bad = np.zeros(len(scores), dtype=bool)
     for start in np.flatnonzero(means < lowest):
         bad[start : start + run] = True
+    bad |= _adding_up(np.maximum([phone.score for phone in spoken], lowest - LOWEST_IN_SUM) - lowest)
     return [
         Misfit("poor fit", spoken[first].start, spoken[last].end, spoken[first].word, spoken[last].word)
         for first, last in _stretches(bad)
     ]
+
+
+def _adding_up(above: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Phones that together lie too low: of each row of sums that reach `SUM`, from its start to the highest."""
+    bad = np.zeros(len(above), dtype=bool)
+    total, start, highest = 0.0, 0, 0.0
+    for place, short in enumerate(EACH - above):
+        if total + short <= 0:
+            total, start, highest = 0.0, place + 1, 0.0
+            continue
+        total += short
+        if total > max(highest, SUM):
+            highest, bad[start : place + 1] = total, True
+    return bad
 
 
 def _words_on_silence(spoken: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
@@ -149,12 +171,15 @@ def _words_on_silence(spoken: Sequence[AlignedPhone], loudness: NDArray[np.float
     ]
 
 
-def _wordless_speech(phones: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float) -> list[Misfit]:
+def _wordless_speech(
+    phones: Sequence[AlignedPhone], loudness: NDArray[np.float64], level: float, below: float
+) -> list[Misfit]:
     """Where the network hears other speech, unless it is all but silent there: its scores mean little then."""
+    least = OTHER_IN_NOISE if below < LOUD_NOISE else OTHER_SPEECH
     return [
         Misfit("speech without words", phone.start, phone.end)
         for phone in phones
-        if phone.other >= OTHER_SPEECH - 1e-9
+        if phone.other >= least - 1e-9
         and np.percentile(_parts(loudness, [(phone.start, phone.end)]), 75) > level - QUIET_WORD
     ]
 
