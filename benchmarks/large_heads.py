@@ -97,8 +97,8 @@ def main() -> None:
                     told += f" (ended with {code})"
                 rows.append(f"| {len(points)} | `{told}` | {clock:.0f} | {processor:.0f} | {megabytes:.0f} |")
                 print(rows[-1], flush=True)
-    with replace_when_complete(TABLE) as unfinished:
-        unfinished.write_text(ABOUT + "\n".join(rows) + "\n", encoding="utf-8")
+                with replace_when_complete(TABLE) as unfinished:  # after each, for these are long runs
+                    unfinished.write_text(ABOUT + "\n".join(rows) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mien.face.default_face import default_face
@@ -72,8 +74,10 @@ def test_teeth_of_a_head_that_nods() -> None:
     upper = [corner + np.array([side, -65 - 0.3 * z, z]) for side, z in zip([9, -9] * 7, depth, strict=True)]
     lower = [tooth - (0, 9.5, 0) for tooth in upper]
     pieces = [Piece("tooth", np.zeros(1, np.int64), np.zeros(3), 0.0)] * 28
-    found = [piece.kind for piece in _upper_and_lower(pieces, upper + lower, mouth)]
-    assert found == ["upper"] * 14 + ["lower"] * 14
+    for raised in (0.0, 4.0):  # corners of a smile
+        smiling = replace(mouth, middle=mouth.middle + np.array([0.0, raised, 0.0]))
+        found = [piece.kind for piece in _upper_and_lower(pieces, upper + lower, smiling)]
+        assert found == ["upper"] * 14 + ["lower"] * 14
 
 
 def test_a_tongue_is_no_tooth() -> None:

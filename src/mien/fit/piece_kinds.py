@@ -202,5 +202,5 @@ def _border(height: Floats, width: float) -> tuple[float, float]:
     if not score.max(initial=0.0) > 0:
         return 0.0, 0.0
     widest = int(np.argmax(score))
-    share = float(score[widest] / (len(order) ** 2 * max(order.var(), 1e-9)))
+    share = float(score[widest] / near[widest] / (len(order) ** 2 * max(order.var(), 1e-9)))
     return share, float(order[widest] + order[widest + 1]) / 2
