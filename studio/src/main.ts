@@ -88,7 +88,7 @@ async function start(): Promise<void> {
   });
   const state = (): PageState => ({
     ...(session.take === undefined || session.take.take === 'beginning' ? {} : { take: session.take.take }), line: line.draft, face: face.id,
-    light: lights.value, camera: views.value, tab: document.body.dataset['tab'] ?? 'line', ...timeline.state(), height: splitter.height(),
+    light: lights.value, camera: views.value, tab: document.body.dataset['tab'] ?? 'line', ...timeline.state(), ...(splitter.height() === undefined ? {} : { height: splitter.height() }),
   });
   /** As the page looked before. */
   const look = (before: PageState): void => {

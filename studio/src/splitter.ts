@@ -3,9 +3,11 @@ import { make } from './dom';
 
 const LEAST = 140; // px
 
-export function split(main: HTMLElement, lower: HTMLElement, changed: () => void): { element: HTMLElement; height: () => number; set: (height: number) => void } {
+export function split(main: HTMLElement, lower: HTMLElement, changed: () => void): { element: HTMLElement; height: () => number | undefined; set: (height: number) => void } {
   const element = make('div', { class: 'splitter', role: 'separator', tabindex: 0, 'aria-orientation': 'horizontal', 'aria-label': 'Height of the timeline', 'aria-valuemin': LEAST, 'aria-valuenow': LEAST, title: 'Drag to make the timeline taller' });
+  let asked: number | undefined; // what somebody chose, whatever a smaller screen makes of it
   const set = (height: number): void => {
+    asked = Math.round(height);
     const most = Math.max(main.clientHeight - 230, LEAST);
     const kept = Math.round(Math.min(Math.max(height, LEAST), most));
     main.style.setProperty('--timeline', `${kept}px`);
@@ -29,5 +31,5 @@ export function split(main: HTMLElement, lower: HTMLElement, changed: () => void
     set(lower.clientHeight + step);
   });
   new ResizeObserver(() => element.setAttribute('aria-valuenow', String(lower.clientHeight))).observe(lower);
-  return { element, height: () => lower.clientHeight, set };
+  return { element, height: () => asked, set };
 }

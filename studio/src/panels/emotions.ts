@@ -35,7 +35,7 @@ export class Emotions {
   /** "As the voice sounds" is there while a recording is. */
   offerHeard(offered: boolean): void {
     const there = this.buttons.get('auto');
-    if (offered && there === undefined) this.add('auto', 'as it sounds');
+    if (offered && there === undefined) this.add('auto', 'as heard');
     if (!offered && there !== undefined) {
       there.remove();
       this.buttons.delete('auto');

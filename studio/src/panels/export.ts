@@ -55,6 +55,7 @@ export class ExportPanel {
     const name = decodeURIComponent(address.split('/').pop() ?? 'file');
     const link = make('a', { href: address, download: name }, name);
     this.results.prepend(make('li', {}, link));
+    this.results.scrollIntoView({ block: 'nearest' });
     link.click();
   }
 }
