@@ -28,6 +28,8 @@ from mien.text.score import EmotionSpan, Score
 
 __all__ = ["Basis", "Source", "Take", "plain_notes", "plain_tier"]
 
+_IN_THE_PAGE = ("--effort auto keeps the voice's", "the effort 'as the voice' keeps it")
+
 
 @dataclass(frozen=True, eq=False)
 class Source:
@@ -179,8 +181,8 @@ def plain_tier(tier: Tier) -> list[list[Any]]:
 
 
 def plain_notes(notes: tuple[Note, ...]) -> list[dict[str, str]]:
-    """Notes as JSON."""
-    return [{"kind": note.kind, "message": note.message} for note in notes]
+    """Notes as JSON, in the words of the page."""
+    return [{"kind": note.kind, "message": note.message.replace(*_IN_THE_PAGE)} for note in notes]
 
 
 def _plain_span(span: EmotionSpan, utterance: Utterance) -> dict[str, Any]:
