@@ -68,6 +68,16 @@ export class Waveform {
   }
 }
 
+/** As much of a name as there is room for; an ellipsis says that there is more of it. */
+function fitting(context: CanvasRenderingContext2D, name: string, room: number): string {
+  if (context.measureText(name).width <= room) return name;
+  for (let length = name.length - 1; length >= 0; length--) {
+    const shown = `${name.slice(0, length)}…`;
+    if (context.measureText(shown).width <= room) return shown;
+  }
+  return '';
+}
+
 export function paintSpans({ context, height, window, colour }: Brush, spans: readonly Span[], kind: 'word' | 'phone'): void {
   context.font = kind === 'word' ? '600 12px system-ui, sans-serif' : '11px ui-monospace, monospace';
   context.textAlign = 'center';
@@ -80,9 +90,8 @@ export function paintSpans({ context, height, window, colour }: Brush, spans: re
     context.beginPath();
     context.roundRect(left + 0.5, 1.5, Math.max(right - left - 1, 1), height - 3, 3);
     context.fill();
-    if (context.measureText(label).width > right - left - 2) continue;
     context.fillStyle = colour('ink');
-    context.fillText(label, (left + right) / 2, height / 2 + 0.5);
+    context.fillText(fitting(context, label, right - left - 2), (left + right) / 2, height / 2 + 0.5);
   }
   context.textAlign = 'start';
 }

@@ -117,6 +117,7 @@ export class Timeline {
     this.lanes.addEventListener('scroll', () => closeMenu());
     this.lanes.addEventListener('pointerdown', (event) => { if (event.button === 1) this.pan(event); }, { capture: true });
     this.lanes.addEventListener('contextmenu', (event) => this.menu(event));
+    this.lanes.addEventListener('pointermove', (event) => this.nameUnder(event));
     matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.redraw());
   }
 
@@ -637,6 +638,14 @@ export class Timeline {
     const room = Math.max((most - least) * 0.1, (high - low) / 50);
     curve.range = [Math.max(least - room, low), Math.min(most + room, high)];
     this.redraw();
+  }
+
+  /** The whole name of a word or phone under the pointer: a narrow one has no room for it. */
+  private nameUnder(event: PointerEvent): void {
+    const lane = this.rows.find((row) => row.lane.body.contains(event.target as Node))?.lane;
+    if (lane === undefined || (lane.kind !== 'words' && lane.kind !== 'phones')) return;
+    const at = this.secondsAt(event);
+    lane.body.title = this.session.take?.[lane.kind].find(([begin, end]) => at >= begin && at < end)?.[2] ?? '';
   }
 
   private otherItems(lane: Lane, at: number): Item[] {
