@@ -140,3 +140,17 @@ def test_lights_are_unit_directions_and_the_dome_is_even():
     np.testing.assert_allclose(np.linalg.norm(lights.directions, axis=1), 1, atol=1e-6)
     assert np.linalg.norm(lights.directions[3:].mean(axis=0)) < 0.05
     assert lights.directions.shape == lights.colours.shape
+
+
+def test_hair_that_stands_up_is_framed_where_the_head_is_and_nowhere_else():
+    bare = tiny_face()
+    skin = next(part for part in bare.parts if part.name == "skin")
+    top = skin.vertices[:, 1].max()
+    strand = replace(skin, name="hair", vertices=skin.vertices * np.float32([1, 1.7, 1]), targets={})
+    haired = replace(bare, parts=(*bare.parts, strand))
+    camera = Camera.named("head", haired, 1.0)
+    assert camera.target[1] + camera.field_mm / 2 > 1.7 * top
+    plain, close = Camera.named("head", bare, 1.0), Camera.named("mouth", haired, 1.0)
+    low = camera.target[1] - camera.field_mm / 2
+    assert low <= plain.target[1] - plain.field_mm / 2 + 1e-6
+    assert close.target[1] + close.field_mm / 2 < top

@@ -19,6 +19,7 @@ from mien.face.render.tables import fields_of, known_tables, numbers, table_of
 __all__ = ["Camera", "HeadExtent", "camera_table", "head_extent", "known_cameras"]
 
 _FIELDS = ("centre", "depth", "height", "width", "distance", "yaw", "pitch")
+_OVER_HAIR = 0.05  # of the crown, at least, is left free over hair that stands up
 _HAIR = 1.12  # crown of the head with hair, of the crown of the skin
 
 
@@ -72,12 +73,17 @@ class Camera:
         table = camera_table(name)
         extent = head_extent(face)
         (across, up), crown = table["centre"], extent.crown
+        field, middle = crown * max(table["height"][0], table["width"][0] / aspect), up * crown
+        missing = extent.top + _OVER_HAIR * crown - (middle + field / 2)
+        if (
+            extent.top > crown <= middle + field / 2 and missing > 0
+        ):  # a camera that shows the whole head shows its hair, too
+            field, middle = field + missing, middle + missing / 2
         target = (
             extent.middle + across * crown,
-            extent.eyes + up * crown,
+            extent.eyes + middle,
             extent.back + table["depth"][0] * (extent.front - extent.back),
         )
-        field = crown * max(table["height"][0], table["width"][0] / aspect)
         return cls(target, table["distance"][0] * crown, field, table["yaw"][0], table["pitch"][0])
 
     @classmethod
@@ -135,6 +141,8 @@ class HeadExtent:
         Its middle across, and the height of its eyes (or of its middle).
     back, front : float
         Of what turns with the head.
+    top : float
+        Height of its hair over the eyes, where that stands up; else ``crown``.
     """
 
     crown: float
@@ -142,6 +150,7 @@ class HeadExtent:
     eyes: float
     back: float
     front: float
+    top: float
 
 
 def head_extent(face: Face) -> HeadExtent:
@@ -162,10 +171,10 @@ def head_extent(face: Face) -> HeadExtent:
     if face.eyes and high > 0:
         skin = max((float(part.vertices[:, 1].max()) for part in face.parts if part.name == "skin"), default=0.0)
         crown = min(high, _HAIR * skin) if skin > 0 else high  # hair that stands up does not make a face smaller
-        return HeadExtent(crown, (left + right) / 2, 0.0, back, front)
+        return HeadExtent(crown, (left + right) / 2, 0.0, back, front, high)
     sides = np.array([right - left, high - low, front - back])
     half = float(sides.max() + np.linalg.norm(sides)) / 4  # between half a side and half the diagonal: it may be turned
-    return HeadExtent(half, (left + right) / 2, (low + high) / 2, back, front)
+    return HeadExtent(half, (left + right) / 2, (low + high) / 2, back, front, half)
 
 
 def known_cameras() -> tuple[str, ...]:
