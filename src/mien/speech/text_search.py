@@ -1,7 +1,8 @@
 """Where the phones of a text lie in a sound: the likeliest way through the text's pronunciations, for any length.
 
 Viterbi's algorithm over what a network says of each row (`mien.speech.frame_classifier`). Words follow one another with
-or without a pause; a word has one or more pronunciations; a phone lasts `SHORTEST` rows or longer. Between words there
+or without a pause; a word has one or more pronunciations; a phone lasts `SHORTEST` rows or longer, a diphthong twice
+that. Where one vowel is heard, others are not much less likely: speakers differ in them. Between words there
 may be speech that the text does not have: any phones, each row a little less likely than the likeliest one, so that
 words left out of a text do not pull their neighbours apart. Only what lies within `BEAM` of the best way is followed,
 and what is older than half a minute is settled: time and memory grow with length and no faster.
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.utterance import PAUSE
+from mien.text.phones import is_vowel
 from mien.text.pronunciation import Pronunciation
 
 __all__ = ["BEAM", "OTHER", "SHORTEST", "Found", "TextGraph", "search"]
@@ -27,6 +29,9 @@ BEAM = 400.0
 """Natural logarithm; no true way was seen that far below the best."""
 OTHER_ROW, OTHER_START = 2.5, 15.0
 """What a row of other speech costs, and what its beginning costs."""
+DIPHTHONGS = ("AW", "AY", "EY", "OW", "OY")
+OTHER_VOWEL = 2.5
+"""How much less likely than the likeliest vowel any other is at most (natural logarithm)."""
 _SETTLE = 2000  # rows after which what lies far back is settled
 
 Single = NDArray[np.float32]
@@ -34,12 +39,16 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Found:
-    """A phone, a pause or other speech: its rows from ``first`` to before ``last``; ``word`` is -1 outside words."""
+    """A phone, a pause or other speech: its rows from ``first`` to before ``last``; ``word`` is -1 outside words.
+
+    ``goes_on``: the second half of what the one before it begins; nothing of a whole way does.
+    """
 
     label: str
     word: int
     first: int
     last: int
+    goes_on: bool = False
 
 
 class TextGraph:
@@ -57,11 +66,13 @@ class TextGraph:
         index = {label: number for number, label in enumerate((*labels, OTHER))}
         self.labels: list[str] = []
         self.words: list[int] = []
+        self.goes_on: list[bool] = []
         before: list[list[int]] = []
 
-        def add(label: str, word: int, preceding: Sequence[int]) -> int:
+        def add(label: str, word: int, preceding: Sequence[int], goes_on: bool = False) -> int:
             self.labels.append(label)
             self.words.append(word)
+            self.goes_on.append(goes_on)
             before.append(list(preceding))
             return len(before) - 1
 
@@ -78,8 +89,12 @@ class TextGraph:
                 preceding = ends
                 for phone in phones:
                     preceding = [add(phone, number, preceding)]
+                    if phone in DIPHTHONGS:
+                        preceding = [add(phone, number, preceding, True)]
                 lasts += preceding
             ends = gap(lasts)
+        vowels = [number for label, number in index.items() if is_vowel(label)]
+        self.vowels = np.array(vowels, dtype=np.intp)
         self.columns = np.array([index[label] for label in self.labels])
         self.starts = np.array([-1 in row for row in before])
         self.ends = np.array([place for place in ends if place >= 0])
@@ -112,8 +127,24 @@ def search(heard: Single, graph: TextGraph, beam: float = BEAM) -> list[Found] |
     """
     ways = _Ways(graph, beam)
     for row in heard:
-        ways.step(np.append(row, row.max() - np.float32(OTHER_ROW)))
-    return ways.end()
+        said = np.append(row, row.max() - np.float32(OTHER_ROW))
+        vowels = said[graph.vowels]
+        said[graph.vowels] = np.maximum(vowels, vowels.max(initial=-np.inf) - np.float32(OTHER_VOWEL))
+        ways.step(said)
+    return _whole(ways.end())
+
+
+def _whole(found: list[Found] | None) -> list[Found] | None:
+    """Halves made one."""
+    if found is None:
+        return None
+    made: list[Found] = []
+    for part in found:
+        if part.goes_on:
+            made[-1] = replace(made[-1], last=part.last)
+        else:
+            made.append(part)
+    return made
 
 
 class _Ways:
@@ -204,7 +235,8 @@ class _Ways:
             if stage > 0:
                 stage -= 1
                 continue
-            found.append(Found(labels[phone], words[phone], self.first + row, self.first + last))
+            begun = Found(labels[phone], words[phone], self.first + row, self.first + last, self.graph.goes_on[phone])
+            found.append(begun)
             last, stage = row, SHORTEST - 1
             phone = int(self.graph.before[phone, source[phone - low]])
         if last > 0:  # it began in what was settled before
