@@ -44,8 +44,8 @@ PERFORMERS_LINE = "We saw Bob move five blue ships"
 PERFORMERS_PHONES = ("W", "AO", "B", "AA", "M", "F", "AY", "UW", "SH")
 EFFORT_LINE, EFFORTS = "My father was five, boy!", (0.4, 1.0, 1.8)
 EFFORT_PHONES = ("M", "AY", "AA", "W", "F", "OY")
-AUTO = ("03a01Wa", "03a01Fa", "03a02Ta")
-"""Voices of EmoDB that are angry, happy and sad."""
+AUTO = ("15b09Wb", "08a07Fd", "13a05Tc")
+"""Voices of EmoDB that are angry, happy and sad, and surely so to the reader."""
 
 
 @dataclass(frozen=True)
