@@ -94,3 +94,8 @@ def test_timecode_counts_whole_frames() -> None:
 def test_rates_that_would_take_minutes_are_refused(value: object) -> None:
     with pytest.raises(InputError, match="a frame rate is"):
         FrameRate.of(value)  # type: ignore[arg-type]
+
+
+def test_a_rate_that_rounds_to_nothing_is_refused():
+    with pytest.raises(InputError, match="above 0"):
+        FrameRate.of("0.0001")

@@ -63,7 +63,7 @@ class FrameRate:
             raise InputError(
                 f"a frame rate is a number above 0 such as 30 or 29.97, not {str(value)[:40]!r}"
             ) from problem
-        if not 0 < exact <= MAX_FPS:
+        if exact.limit_denominator(1001) <= 0 or exact > MAX_FPS:  # 0.0001 would become 0
             raise InputError(f"a frame rate is above 0 and at most {MAX_FPS} frames per second, not {value}")
         for ntsc in (24, 30, 48, 60, 120):
             rate = Fraction(ntsc * 1000, 1001)

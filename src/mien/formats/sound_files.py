@@ -160,6 +160,8 @@ def _clipped(mono: Samples) -> float:
     """The share of samples that lie at the very top or bottom, three and more in a row."""
     count, top, bottom = 0, float(mono.max()), float(mono.min())
     for peak in (top, bottom) if top - bottom > _OFFSET else ():
+        if abs(peak) <= _OFFSET:  # silence round an impulse is nothing cut flat
+            continue
         for start in range(0, len(mono), _BLOCK):
             flat = np.abs(mono[start : start + _BLOCK] - peak) <= abs(peak) * (1.0 - _FULL)
             count += int((flat[:-2] & flat[1:-1] & flat[2:]).sum())
