@@ -23,6 +23,7 @@ from mien.core import channels
 from mien.core.errors import InputError, OutputError
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
+from mien.serve.live.clock import SimulatedClock
 from mien.serve.live.datagrams import datagrams, livelink_encoder, vmc_encoder
 from mien.serve.live.frames import END, Frame, Greeting, decode_frame
 from mien.serve.live.hub import Hub
@@ -59,7 +60,9 @@ def test_a_client_gets_the_whole_animation_bit_for_bit() -> None:
 
     async def watch() -> tuple[Greeting, list[Frame], str]:
         opened: asyncio.Future[int | None] = asyncio.get_running_loop().create_future()
-        playing = asyncio.create_task(stream(animation, Outlets(Access(port=0)), wait=True, opened=opened.set_result))
+        playing = asyncio.create_task(
+            stream(animation, Outlets(Access(port=0)), wait=True, opened=opened.set_result, clock=SimulatedClock())
+        )
         async with connect(f"ws://127.0.0.1:{await opened}") as client:
             read = await read_all(client)
         played = await playing
@@ -182,7 +185,7 @@ def test_engines_get_packets() -> None:
         names, rate = animation.channels.names, animation.rate
         encoders = (vmc_encoder(names, "arkit"), livelink_encoder(names, rate, "mien"))
         packets = tuple((inbox.getsockname(), encode) for inbox, encode in zip(inboxes, encoders, strict=True))
-        played = await stream(animation, Outlets(None, packets))
+        played = await stream(animation, Outlets(None, packets), clock=SimulatedClock())
         found = [[inbox.recv(65536) for _ in range(played.frames)] for inbox in inboxes]
         for inbox in inboxes:
             inbox.close()
@@ -230,7 +233,7 @@ def test_waiting_for_an_engine_loses_no_frame() -> None:
         address = inbox.getsockname()
         inbox.close()
         packets = ((address, livelink_encoder(animation.channels.names, animation.rate, "mien")),)
-        playing = asyncio.create_task(stream(animation, Outlets(None, packets), wait=True))
+        playing = asyncio.create_task(stream(animation, Outlets(None, packets), wait=True, clock=SimulatedClock()))
         await asyncio.sleep(0.4)
         assert not playing.done(), "it began though nobody listened"
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:

@@ -129,7 +129,7 @@ async def perform_live(
             async for number in frames_due(settings.rate, clock, start):
                 if stopping() or show.done:
                     break
-                values = show.next(number + 1 - last)
+                values = await _beside(show.next, number + 1 - last)
                 at = settings.rate.time_of(number)
                 open_to.send(Frame(number, at, values, day + at))
                 watch(number, show.shown - show.playout.silence)
@@ -145,6 +145,19 @@ async def _somebody(open_to: OpenOutlets, stopping: Callable[[], bool]) -> None:
     while not waiting.done() and not stopping():
         await asyncio.wait([waiting], timeout=_LOOK)
     waiting.cancel()
+
+
+async def _beside(work: Callable[[int], NDArray[np.float64]], given: int) -> NDArray[np.float64]:
+    """Work done in a thread, so that listeners are served meanwhile also by a machine that is behind.
+
+    It is waited for even where the stream is cancelled: nothing writes into a recording that is being closed.
+    """
+    going = asyncio.ensure_future(asyncio.to_thread(work, given))
+    try:
+        return await asyncio.shield(going)
+    finally:
+        if not going.done():
+            await going
 
 
 class _Running:
