@@ -33,7 +33,10 @@ def test_import_check_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     [
         (["corpus", "import", "nowhere", "-o", "out"], "nowhere: expected a folder of recordings"),
         (["corpus", "import", ".", "-o", "out", "--recipe", "c4d"], "did you mean 'c3d'"),
-        (["corpus", "import", ".", "-o", "out", "--recipe", "tracks", "--name-pattern", "("], "no regular expression"),
+        (
+            ["corpus", "import", ".", "-o", "out", "--recipe", "tracks", "--name-pattern", "("],
+            "not a valid regular expression",
+        ),
         (["corpus", "check", "nowhere"], "make one with 'mien corpus import'"),
     ],
 )

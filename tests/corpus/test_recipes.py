@@ -43,7 +43,7 @@ def test_a_recipe_of_ones_own(tmp_path: Path) -> None:
         ('method = "ridgid"', "unknown normalisation .* did you mean 'rigid'"),
         ("fps = -1.0", "frames per second are above 0"),
         ('mend = "no"', "mend is a bool, got 'no'"),
-        ('pattern = "("', "no regular expression"),
+        ('pattern = "("', "not a valid regular expression"),
         ('pattern = "a.c"', "has no named group"),
         ('pattern = "(?P<mood>.)"', "unknown group in the name pattern 'mood'"),
         ("= 3", "cannot be read as a recipe"),

@@ -88,7 +88,7 @@ def test_glb_where_its_nodes_put_it(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "told"),
     [
-        ("a.ply", b"nothing", "no PLY file"),
+        ("a.ply", b"nothing", "not a PLY file"),
         ("a.ply", ASCII.replace("4 0 1 2 3", "4 0 1 2 9").encode(), "beyond the 4 there are"),
         ("a.ply", ASCII.replace("1 1 0 255", "1 x 0 255").encode(), "damaged PLY"),
         ("a.ply", ASCII.replace("4 0 1 2 3\n", "").encode(), "damaged PLY"),
@@ -98,7 +98,7 @@ def test_glb_where_its_nodes_put_it(tmp_path):
         ("a.glb", glb(nodes=[{"children": [1]}, {"children": [0]}]), "its own ancestor|two parents"),
         ("a.glb", glb(meshes=[{"primitives": [{"attributes": {"POSITION": 7}}]}]), "there is no accessors.7."),
         ("a.obj", b"v 0 0 0\nv 1 0 0\n", "has no faces"),
-        ("a.stl", b"", "no STL file, or cut off"),
+        ("a.stl", b"", "not an STL file, or cut off"),
         ("a.xyz", b"", "is read from .obj, .ply, .stl"),
     ],
 )

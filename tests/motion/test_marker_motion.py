@@ -92,7 +92,7 @@ def test_pairs_of_ones_own(face: Face, tmp_path: Path) -> None:
     np.savez(
         tmp_path / "q.npz", markers=["a"], channels=["nonsense"], displacements=shown[:, :1], weights=np.zeros((4, 1))
     )
-    with pytest.raises(InputError, match="no channels"):
+    with pytest.raises(InputError, match="are not channels"):
         MarkerPairs.read(tmp_path / "q.npz")
     (tmp_path / "r.npz").write_bytes(b"nothing")
     with pytest.raises(InputError, match=r"r\.npz"):

@@ -22,7 +22,7 @@ def test_a_phone_in_no_table_is_named(tmp_path: Path, capsys: pytest.CaptureFixt
     table = tmp_path / "xx.toml"
     table.write_text('tag = "xx"\nname = "Kana"\nreader = "espeak"\nespeak = "ja"\nsample = ["みずを"]\n')
     assert main(["language", "check", str(table)]) == 2
-    assert "in no table: add it to [phones]" in capsys.readouterr().err
+    assert "in none of its tables: add it to [phones]" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("asked", "said"), [("en", "has no table"), ("qq", "unknown language")])

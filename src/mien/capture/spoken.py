@@ -48,7 +48,7 @@ def believed(jaw: Floats, close: Floats, pucker: Floats | float = 0.0) -> tuple[
     --------
     >>> jaw, close = believed(np.array([0.28, 0.35, 0.8]), np.array([0.11, 0.06, 0.0]))
     >>> jaw.round(2).tolist(), close.round(2).tolist()
-    ([0.1, 0.16, 0.59], [0.03, 0.01, 0.0])
+    ([0.1, 0.16, 0.59], [0.03, 0.02, 0.0])
     """
     taken = np.minimum((1 - _BEHIND) * close, jaw)
     left = jaw - taken

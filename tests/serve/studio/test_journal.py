@@ -123,7 +123,7 @@ def test_a_number_beyond_all_bounds_is_a_fault_that_is_told(tmp_path: Path) -> N
     (tmp_path / "takes").mkdir()
     (tmp_path / "takes" / "abcdefgh.jsonl").write_text('{"name": "a", "made": 1, "steps": [], "at": 1e999}\n')
     assert "abcdefgh.jsonl" in Journal(tmp_path, LIMITS).faults[0]
-    with pytest.raises(InputError, match="no take of mien's studio"):
+    with pytest.raises(InputError, match="not a take of mien's studio"):
         record_of({"name": "a", "made": 1, "steps": [], "at": float("inf")}, LIMITS)
 
 

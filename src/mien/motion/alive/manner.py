@@ -38,7 +38,7 @@ class Manner:
     >>> from mien.text.score import EmotionSpan
     >>> sad = Manner(Score((EmotionSpan("sad", 0.5),)), 2.0)
     >>> sad.at("down", 1.0), Manner(Score(), 2.0).at("down", 1.0)
-    (3.0, 0.0)
+    (2.25, 0.0)
     """
 
     def __init__(self, score: Score, seconds: float) -> None:
