@@ -1,5 +1,5 @@
 # make demo   the main job on a fresh clone: makes the environment, speaks a sentence, shows where the results lie
-# make test   all tests (sets up what they need); make test-quick: those that are fast, in about three minutes
+# make test   all tests (sets up what they need); make test-quick: those that are fast, in under a minute
 # make check  format, lint, types, import contract
 # make sheets the pictures in docs/
 # make mutants  a sample of changed lines: does a test notice?

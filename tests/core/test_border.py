@@ -41,3 +41,10 @@ def test_our_own_errors_and_requests_to_end_pass() -> None:
         raise OutputError("disk")
     with pytest.raises(KeyboardInterrupt), reading("a", "a file"):
         raise KeyboardInterrupt
+
+
+def test_no_address_in_memory_is_shown() -> None:
+    with pytest.raises(InputError) as problem, reading("a.png", "a picture"):
+        raise ValueError("cannot identify image file <_io.BytesIO object at 0x7faa12>")
+    assert "0x" not in str(problem.value)
+    assert "cannot identify image file" in str(problem.value)

@@ -6,6 +6,7 @@ expects; an `mien.core.errors.InputError` passes as it is, anything else is put 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
@@ -19,6 +20,7 @@ Given = ParamSpec("Given")
 Source = TypeVar("Source")
 Content = TypeVar("Content")
 
+_ADDRESS = re.compile(r"<[^<>]* at 0x[0-9a-fA-F]+>")  # what Python shows of an object without a name
 _LONGEST = 160
 
 
@@ -99,5 +101,5 @@ def _reason(problem: Exception) -> str:
             return f"it lacks {str(problem)[:60]}"
         case IndexError():
             return "it refers to something that is not there"
-    words = " ".join(str(problem).split())
+    words = " ".join(_ADDRESS.sub("", str(problem)).split())
     return words[:_LONGEST] if words else type(problem).__name__

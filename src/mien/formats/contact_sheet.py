@@ -73,7 +73,7 @@ def contact_sheet(images: Sequence[Picture], labels: Sequence[str], columns: int
 
 
 def key_frames(animation: Animation, most: int = _MOST) -> list[tuple[int, str]]:
-    """Frames worth looking at, with the label of the phone that each shows.
+    """Frames worth looking at, with the label of the phone that each shows; none where nothing is said at all.
 
     The middle of every phone; pauses only where nothing is said at all or at the start; when there are more than
     ``most``, evenly chosen ones of them.
@@ -88,7 +88,7 @@ def key_frames(animation: Animation, most: int = _MOST) -> list[tuple[int, str]]
     last = len(animation.channels) - 1
     found = {min(animation.rate.nearest_frame(phone.middle), last): phone.label for phone in spoken}
     if len(found) < 2:  # nothing said: evenly through time
-        found = {int(f): PAUSE for f in np.linspace(0, last, min(most, last + 1)).round()}
+        found = {int(f): "" for f in np.linspace(0, last, min(most, last + 1)).round()}
     frames = sorted(found.items())
     if len(frames) > most:
         frames = [frames[int(i)] for i in np.linspace(0, len(frames) - 1, most).round()]
@@ -124,7 +124,7 @@ def write_contact_sheet(
     renderer = (view or View(camera="head")).of_size(*_CELL).renderer(face)
     frames = key_frames(animation)
     images = [renderer.render(poser.pose(animation.channels.values[frame])) for frame, _ in frames]
-    labels = [f"{label}  {animation.rate.time_of(frame):.2f} s" for frame, label in frames]
+    labels = [f"{label}  {animation.rate.time_of(frame):.2f} s".lstrip() for frame, label in frames]
     with replace_when_complete(path) as unfinished:
         Image.fromarray(contact_sheet(images, labels, _COLUMNS)).save(unfinished, format="PNG")
     return ()
