@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,12 @@ settings.register_profile("mien", deadline=None)  # no test asserts on wall-cloc
 settings.load_profile("mien")
 
 ROOT = Path(__file__).parent.parent
+
+# Started in the background or by nohup, programs ignore these, and so would all that the tests start and stop.
+if threading.current_thread() is threading.main_thread():
+    for name, usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is signal.SIG_IGN:
+            signal.signal(getattr(signal, name), usual)
 
 
 @pytest.fixture(scope="session")
