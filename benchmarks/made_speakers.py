@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from capture import made_head, slope, tracked  # benchmarks/capture.py, beside this file
 from mien.capture.capture import capture_take
-from mien.capture.spoken import fit_speaker
+from mien.capture.one_camera import fit_speaker
 from mien.core.audio import Audio
 from mien.core.channels import ALL, WEIGHTS
 from mien.core.files import replace_when_complete

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mien.capture.knowledge import knowledge
 from mien.capture.layouts import Layout
+from mien.capture.one_camera import solve_spoken
 from mien.capture.person import Person, fit_person
 from mien.capture.solver import Priors, Solver
-from mien.capture.spoken import solve_spoken
 from mien.core.channels import WEIGHTS
 from mien.core.errors import InputError
 from mien.core.timeline import FrameRate
@@ -100,7 +100,7 @@ def capture_take(
     priors : Priors, optional
         What is held against a solution.
     spoken : bool
-        It shows plain speech: of the jaw that a tracker reports a part is believed (`mien.capture.spoken`).
+        It shows plain speech: of the jaw that a tracker reports a part is believed (`mien.capture.one_camera`).
 
     Raises
     ------

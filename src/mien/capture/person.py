@@ -72,7 +72,7 @@ class Person:
         Standard deviation from frame to frame, measured, mm.
     openings : tuple of Seen
     depth : float
-        How much of the lips' motion in depth a tracker reports (`mien.capture.spoken.reported_depth`); 0: not known.
+        How much of the lips' motion in depth is reported (`mien.capture.one_camera.reported_depth`); 0: not known.
     """
 
     layout: str

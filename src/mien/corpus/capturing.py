@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.capture import capture_take
+from mien.capture.one_camera import fit_speaker
 from mien.capture.person import Person
 from mien.capture.person_file import arrays_of, person_from, stamp_of
-from mien.capture.spoken import fit_speaker
 from mien.core.assets import asset
 from mien.core.errors import InputError, MienError, Note
 from mien.core.files import replace_when_complete

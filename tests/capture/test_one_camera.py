@@ -7,8 +7,8 @@ import pytest
 
 from mien.capture import capture_take, fit_person
 from mien.capture.layouts import load_layout
+from mien.capture.one_camera import believed, reported_depth
 from mien.capture.person import Person
-from mien.capture.spoken import believed, reported_depth
 from mien.core.tracks import ChannelTrack
 from mien.face.library import load_face
 from mien.metrics.face_track import shown_landmarks
