@@ -19,6 +19,9 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 DEMO ?= demo
 MUTANTS ?= 200
+# One process more than cores, as some tests wait for browsers, sockets and other processes; the longest files first.
+PROCESSES ?= $(shell expr $$(nproc 2>/dev/null || echo 2) + 1)
+IN_PARALLEL := --numprocesses $(PROCESSES) --dist loadfile --no-loadscope-reorder
 SEED ?= 1
 UV := 0.13.9
 SENTENCE ?= I never said that. Maybe five people heard my voice!
@@ -65,14 +68,14 @@ demo: $(VENV)/.core
 	@echo "         $(abspath $(DEMO))/recording.glb"
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest --numprocesses logical --dist loadfile
+	$(BIN)/python -m pytest $(IN_PARALLEL)
 
 # What is fast enough to run at every save; tests/slow_tests.txt is written from the times of a whole run.
 test-quick: $(VENV)/.dev
-	$(BIN)/python -m pytest --numprocesses logical --dist loadfile -m "not slow" -q
+	$(BIN)/python -m pytest $(IN_PARALLEL) -m "not slow" -q
 
 slow-tests: $(VENV)/.dev
-	$(BIN)/python -m pytest --numprocesses logical --dist loadfile -q --junitxml=test-times.xml || true
+	$(BIN)/python -m pytest $(IN_PARALLEL) -q --junitxml=test-times.xml || true
 	$(BIN)/python tools/slow_tests.py test-times.xml
 
 # Does a test notice a changed line? MUTANTS=200 in the core rooms, drawn with SEED=1; takes half an hour on two cores.

@@ -42,7 +42,7 @@ PARTS: tuple[tuple[str, str, str], ...] = (
     ("expression", "mien.motion.expression.expression", "Expression.perform"),
     ("signs of life", "mien.motion.alive.idle", "HandMadeIdle.perform"),
     ("brows and nods", "mien.motion.alive.visual_prosody", "HandMadeProsody.perform"),
-    ("file written", "mien.cli.main", "_finish"),
+    ("file written", "mien.cli.line_commands", "finish"),
     ("a frame", "mien.face.render.renderer", "Renderer.render"),
 )
 """Label, module and attribute: what is inside a part that has a line of its own is not counted twice."""

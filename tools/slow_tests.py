@@ -4,7 +4,8 @@
 
 A file in which one test takes more than `LONG` is slow as a whole: what its tests share is made by whichever comes
 first. Of the others the slowest tests are named, one by one, until what is left fits into `SECONDS` on the machine that
-was measured.
+was measured. Lines stand in the order in which the files are best run (tests/conftest.py): those that take longest
+first, so that no process is left with a long one at the end.
 """
 
 from __future__ import annotations
@@ -27,9 +28,11 @@ def main() -> None:
         name = f"{case.get('classname', '')}::{case.get('name', '').partition('[')[0]}"
         times[name] = times.get(name, 0.0) + float(case.get("time", 0))
     longest: dict[str, float] = {}
+    whole: dict[str, float] = {}
     for name, seconds in times.items():
         file = name.partition("::")[0]
         longest[file] = max(longest.get(file, 0.0), seconds)
+        whole[file] = whole.get(file, 0.0) + seconds
     slow = [name for name in times if longest[name.partition("::")[0]] > LONG]
     left = sum(times.values()) - sum(times[name] for name in slow)
     for name in sorted(times.keys() - set(slow), key=lambda name: -times[name]):
@@ -37,7 +40,8 @@ def main() -> None:
             break
         slow.append(name)
         left -= times[name]
-    OUT.write_text("".join(f"{name}\n" for name in sorted(slow)), encoding="utf-8")
+    slow.sort(key=lambda name: (-whole[name.partition("::")[0]], name))
+    OUT.write_text("".join(f"{name}\n" for name in slow), encoding="utf-8")
     print(f"{len(slow)} of {len(times)} tests are slow; the others take {left:.0f} s one after another")
 
 

@@ -13,7 +13,7 @@ import pytest
 import soundfile
 
 from mien.cli import main
-from mien.cli.main import _unused
+from mien.cli.outputs import unused_options
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -165,19 +165,19 @@ def test_a_full_standard_output_is_one_line(capsys: pytest.CaptureFixture[str]) 
 
 def test_options_that_no_format_has_a_use_for_are_reported() -> None:
     given = {"face": "x.glb", "deformer": "tree", "fps": "60"}
-    notes = [note.message for note in _unused(argparse.Namespace(**given), ["a.wav", "b.TextGrid"])]
+    notes = [note.message for note in unused_options(argparse.Namespace(**given), ["a.wav", "b.TextGrid"])]
     assert [message.split(" has")[0] for message in notes] == ["--face x.glb", "--deformer tree", "--fps 60"]
     assert notes[0].endswith("has no effect on .wav, .TextGrid")
-    assert [n.message.split(" has")[0] for n in _unused(argparse.Namespace(**given), ["a.csv"])] == [
+    assert [n.message.split(" has")[0] for n in unused_options(argparse.Namespace(**given), ["a.csv"])] == [
         "--face x.glb",
         "--deformer tree",
     ]
-    assert _unused(argparse.Namespace(**given), ["a.csv", "a.png"]) == []
-    assert _unused(argparse.Namespace(face="default", deformer="blendshapes", fps="30"), ["a.wav"]) == []
+    assert unused_options(argparse.Namespace(**given), ["a.csv", "a.png"]) == []
+    assert unused_options(argparse.Namespace(face="default", deformer="blendshapes", fps="30"), ["a.wav"]) == []
     asked = {"emotion": ["sad", "happy:0.2"], "alive": "off", "prosody": "0.5", "fps": None}
-    in_animate = _unused(argparse.Namespace(**asked), ["a.wav"])
+    in_animate = unused_options(argparse.Namespace(**asked), ["a.wav"])
     assert [n.message.split(" has")[0] for n in in_animate] == ["--alive off", "--emotion sad happy:0.2"]
-    in_say = _unused(argparse.Namespace(voice_emotion=1.0, **asked), ["a.wav"])
+    in_say = unused_options(argparse.Namespace(voice_emotion=1.0, **asked), ["a.wav"])
     assert [n.message.split(" has")[0] for n in in_say] == ["--alive off"]
 
 

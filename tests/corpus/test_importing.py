@@ -45,6 +45,21 @@ def contents(folder: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with recordings in ``in`` and the corpus of them in ``out``."""
+    folder = tmp_path_factory.mktemp("imported")
+    import_corpus(session(folder / "in", ("a", "b")), folder / "out", workers=0)
+    return folder
+
+
+@pytest.fixture
+def pair(imported: Path, tmp_path: Path) -> Path:
+    """A copy of it of one's own."""
+    shutil.copytree(imported, tmp_path / "pair")
+    return tmp_path / "pair"
+
+
 @pytest.mark.parametrize("kind", ["c3d", "csv", "npz", "analog"])
 def test_recordings_become_takes_without_the_motion_of_the_head(tmp_path: Path, kind: str) -> None:
     source = tmp_path / "in"
@@ -128,7 +143,7 @@ def test_a_stopped_run_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_a_killed_run_leaves_no_process_and_goes_on(tmp_path: Path) -> None:
-    names = tuple("abcdefghij")
+    names = tuple("abcde")
     source, out = session(tmp_path / "in", names), tmp_path / "out"
     command = [sys.executable, "-m", "mien", "corpus", "import", str(source), "-o", str(out), "--workers", "1"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
@@ -287,13 +302,11 @@ def test_grid_arrays_are_laid_on_the_first_frame(tmp_path: Path) -> None:
     assert take.speaker == "s1"
 
 
-def test_a_corpus_of_another_recipe_is_not_mixed_up(tmp_path: Path) -> None:
-    session(tmp_path / "in", ("a",))
-    import_corpus(tmp_path / "in", tmp_path / "out", workers=0)
-    shutil.rmtree(tmp_path / "in")
-    made.write_c3d(tmp_path / "in", "b")
+def test_a_corpus_of_another_recipe_is_not_mixed_up(pair: Path) -> None:
+    shutil.rmtree(pair / "in")
+    made.write_c3d(pair / "in", "b")
     with pytest.raises(InputError, match="holds takes of recipe 'tracks', not 'c3d'"):
-        import_corpus(tmp_path / "in", tmp_path / "out", workers=0)
+        import_corpus(pair / "in", pair / "out", workers=0)
 
 
 def test_an_empty_source_is_refused(tmp_path: Path) -> None:
@@ -306,22 +319,18 @@ def test_an_empty_source_is_refused(tmp_path: Path) -> None:
         import_corpus(tmp_path / "in", tmp_path / "out", recipe="c4d")
 
 
-def test_jobs_say_what_they_are(tmp_path: Path) -> None:
-    session(tmp_path / "in", ("a",))
-    import_corpus(tmp_path / "in", tmp_path / "out", workers=0)
-    entry = Corpus(tmp_path / "out").entries["a"]
+def test_jobs_say_what_they_are(imported: Path) -> None:
+    entry = Corpus(imported / "out").entries["a"]
     assert entry["source"]["file"] == "a.npz"
-    assert str(tmp_path) not in json.dumps(entry)
+    assert str(imported) not in json.dumps(entry)
     assert len(entry["source"]["fingerprint"]) == 16
 
 
 @pytest.mark.parametrize("hurt", ["empty", "cut", "flipped", "other", "gone"])
 @pytest.mark.parametrize("part", [0, 1, 2])
-def test_a_take_that_was_hurt_is_made_again(tmp_path: Path, part: int, hurt: str) -> None:
-    source = session(tmp_path / "in", ("a", "b"))
-    import_corpus(source, tmp_path / "out", workers=0)
-    corpus = Corpus(tmp_path / "out")
-    before, path, twin = contents(tmp_path / "out"), corpus.files_of("a")[part], corpus.files_of("b")[part]
+def test_a_take_that_was_hurt_is_made_again(pair: Path, part: int, hurt: str) -> None:
+    corpus = Corpus(pair / "out")
+    before, path, twin = contents(pair / "out"), corpus.files_of("a")[part], corpus.files_of("b")[part]
     content = bytearray(path.read_bytes())
     if hurt == "gone":
         path.unlink()
@@ -330,23 +339,22 @@ def test_a_take_that_was_hurt_is_made_again(tmp_path: Path, part: int, hurt: str
     else:
         content[len(content) // 2] ^= 0xFF
         path.write_bytes(b"" if hurt == "empty" else content[: len(content) // 2] if hurt == "cut" else content)
-    report = import_corpus(source, tmp_path / "out", workers=0)
+    report = import_corpus(pair / "in", pair / "out", workers=0)
     if part != 1 and hurt == "other":
         return  # the sounds are the same here, and a TextGrid that reads is a person's to correct
     if part == 2 and hurt == "flipped":
         return
     assert (report.imported, report.kept) == (("a",), ("b",))
     assert "1 takes were changed, damaged or gone, and are made again: a" in [note.message for note in report.notes]
-    assert contents(tmp_path / "out") == before
+    assert contents(pair / "out") == before
 
 
-def test_a_second_import_into_the_same_corpus_is_refused(tmp_path: Path) -> None:
-    source = session(tmp_path / "in", ("a",))
-    import_corpus(source, tmp_path / "out", workers=0)
-    with held_alone(tmp_path / "out" / ".importing", "held"), pytest.raises(OutputError, match="another import"):
-        import_corpus(source, tmp_path / "out", workers=0)
-    import_corpus(source, tmp_path / "out", workers=0)
-    assert not (tmp_path / "out" / ".importing").exists()
+def test_a_second_import_into_the_same_corpus_is_refused(pair: Path) -> None:
+    out = pair / "out"
+    with held_alone(out / ".importing", "held"), pytest.raises(OutputError, match="another import"):
+        import_corpus(pair / "in", out, workers=0)
+    import_corpus(pair / "in", out, workers=0)
+    assert not (out / ".importing").exists()
 
 
 def test_a_scheduler_that_is_lost_is_one_line() -> None:

@@ -106,7 +106,7 @@ def test_joined_lips_are_cut_apart():
     outer = np.flatnonzero((space.inside_mouth < 0.5) & (space.rest[:, 2] > -30) & (np.abs(space.rest[:, 1]) < 108))
     chosen = np.isin(space.triangles, outer).all(axis=1)
     surface = Surface(space.rest, space.triangles, chosen)
-    x, y = np.meshgrid(np.arange(-56, 57, 1.6), np.arange(-104, 60, 1.6))
+    x, y = np.meshgrid(np.arange(-56, 57, 2.4), np.arange(-104, 60, 2.4))
     start = np.stack([x.ravel(), y.ravel(), np.full(x.size, 60.0)], axis=1)
     for _ in range(40):  # slide towards the face along z
         found = surface.closest(start, np.tile([0.0, 0, 1], (len(start), 1)))

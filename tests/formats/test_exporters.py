@@ -76,17 +76,18 @@ FULL = """
 import json, resource, sys
 from pathlib import Path
 from mien.core.errors import OutputError
+from mien.face.render.view import View
 from mien.formats import EXPORTERS, save
 from tests.faces import tiny_animation, tiny_face
-animation, face, told = tiny_animation(6), tiny_face(), {}
+animation, face, told, view = tiny_animation(6), tiny_face(), {}, View().of_size(160, 160)
 for exporter in (one for one in EXPORTERS if one.suffix != ".fbx"):
     folder = Path(sys.argv[1]) / exporter.suffix[1:]
     (folder / "full").mkdir(parents=True)
-    save(animation, folder / f"a{exporter.suffix}", face=face)
+    save(animation, folder / f"a{exporter.suffix}", face=face, view=view)
     most = max(path.stat().st_size for path in folder.rglob("*") if path.is_file()) // 2
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, -1))
     try:
-        save(animation, folder / "full" / f"a{exporter.suffix}", face=face)
+        save(animation, folder / "full" / f"a{exporter.suffix}", face=face, view=view)
         told[exporter.suffix] = "written"
     except OutputError as problem:
         told[exporter.suffix] = str(problem)

@@ -7,6 +7,7 @@ import av
 import numpy as np
 import pytest
 import soundfile
+from PIL import Image
 
 from mien.core.errors import InputError
 from mien.formats.sound_files import read_audio
@@ -205,6 +206,15 @@ def test_a_list_of_other_files_is_not_followed(tmp_path: Path) -> None:
     for name, content in lists.items():
         (tmp_path / name).write_text(content)
         with pytest.raises(InputError):
+            read_audio(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.bmp"])
+def test_a_picture_is_called_one(tmp_path: Path, name: str) -> None:
+    Image.new("RGB", (8, 8)).save(tmp_path / name)
+    for content in ((tmp_path / name).read_bytes(), (tmp_path / name).read_bytes()[:8] + b"damaged"):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match="expected a sound or video file, got a picture"):
             read_audio(tmp_path / name)
 
 

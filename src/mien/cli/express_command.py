@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
 from typing import Any
 
 from mien.cli.foreign_face import add_face_option, add_glb_options
+from mien.cli.outputs import checked_face, finish
 from mien.cli.view_options import add_view_options
 
 __all__ = ["add_command"]
 
-CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
-Finish = Callable[[Any, Any, argparse.Namespace], int]
 
-
-def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
-    """Add ``mien express`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
+def add_command(commands: Any) -> None:
+    """Add ``mien express`` to the commands."""
     express = commands.add_parser(
         "express", help="add an expression to an animation or a Live Link recording, or convert it to another format"
     )
@@ -38,10 +35,10 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     add_view_options(express)
     express.add_argument("--performer", default="default", metavar="NAME|X.mien", help="whose expressions")
     express.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    express.set_defaults(run=lambda options: _express(options, checked_face, finish), deformer="blendshapes")
+    express.set_defaults(run=_express, deformer="blendshapes")
 
 
-def _express(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
+def _express(options: argparse.Namespace) -> int:
     from mien.api import calls as api
 
     face = checked_face(options, [options.motion])

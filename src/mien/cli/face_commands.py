@@ -26,8 +26,8 @@ from mien.cli import (
 __all__ = ["add_command"]
 
 
-def add_command(commands: Any, checked_face: face_retarget.CheckFace, finish: face_retarget.Finish) -> None:
-    """Add ``mien face`` with its own commands; ``checked_face`` and ``finish`` as for ``mien express``."""
+def add_command(commands: Any) -> None:
+    """Add ``mien face`` with its own commands."""
     face = commands.add_parser("face", help="make, fit, inspect and retarget faces")
     kinds = face.add_subparsers(title="face commands", required=True, metavar="FACE_COMMAND")
     face_rig.add_commands(kinds)
@@ -35,4 +35,4 @@ def add_command(commands: Any, checked_face: face_retarget.CheckFace, finish: fa
     face_fit.add_command(kinds)
     face_make.add_command(kinds)
     face_photos.add_command(kinds)
-    face_retarget.add_command(kinds, checked_face, finish)
+    face_retarget.add_command(kinds)

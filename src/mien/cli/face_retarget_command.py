@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mien.cli.foreign_face import add_face_option
+from mien.cli.outputs import checked_face, finish
 from mien.cli.view_options import add_view_options
 from mien.core.errors import InputError
 
@@ -15,12 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["add_command"]
 
-CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
-Finish = Callable[[Any, Any, argparse.Namespace], int]
 
-
-def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
-    """Add ``mien face retarget``; ``checked_face`` checks the outputs first, ``finish`` writes them."""
+def add_command(kinds: Any) -> None:
+    """Add ``mien face retarget``."""
     parser = kinds.add_parser(
         "retarget", help="put recorded markers onto any face, and report what that face cannot show"
     )
@@ -44,10 +41,10 @@ def add_command(kinds: Any, checked_face: CheckFace, finish: Finish) -> None:
     parser.add_argument("--rest", type=int, metavar="FRAME", help="frame at rest (default: the most neutral one)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the drawn examples (default 0)")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    parser.set_defaults(run=lambda options: _retarget(options, checked_face, finish), deformer="blendshapes")
+    parser.set_defaults(run=_retarget, deformer="blendshapes")
 
 
-def _retarget(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
+def _retarget(options: argparse.Namespace) -> int:
     from mien.face.foreign.drawn import drawn_face
     from mien.face.library import load_face
     from mien.face.model import Face

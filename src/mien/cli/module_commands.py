@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mien.cli.outputs import checked_face
 from mien.cli.view_options import VIEW_OPTIONS, add_view_options, view_of
 
 if TYPE_CHECKING:
@@ -18,11 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["add_commands"]
 
-CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
 
-
-def add_commands(commands: Any, checked_face: CheckFace) -> None:
-    """Add the four commands; ``checked_face`` checks output and face of ``perform`` before anything comes in."""
+def add_commands(commands: Any) -> None:
+    """Add the four commands."""
     interpret = commands.add_parser("interpret", help="module 1: turns text with tags into speech and commands")
     interpret.add_argument("file", metavar="FILE", nargs="?", help="a script to interpret instead of standard input")
     _add_streams(interpret, _interpret)
@@ -71,7 +70,7 @@ def add_commands(commands: Any, checked_face: CheckFace) -> None:
         "--effort", default=None, help="how strongly words are articulated, 0..2 or off, as for mien say"
     )
     perform.add_argument("--prosody", default=None, help="visual prosody: off, or 0..1, as for mien say")
-    _add_streams(perform, lambda options: _perform(options, checked_face))
+    _add_streams(perform, _perform)
 
 
 def _add_streams(parser: Any, run: Callable[[argparse.Namespace], int]) -> None:
@@ -195,7 +194,7 @@ def _teller(name: str, options: argparse.Namespace) -> Any:
     return tell
 
 
-def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
+def _perform(options: argparse.Namespace) -> int:
     from mien.animation.edits import EMPTY, read_layer
     from mien.core.errors import InputError
     from mien.pipeline.options import effort_by_hand, prepared
@@ -211,13 +210,13 @@ def _perform(options: argparse.Namespace, checked_face: CheckFace) -> int:
     for name in ("face", "deformer", "names", *VIEW_OPTIONS):
         if options.output is None and getattr(options, name) is not None:
             raise InputError(f"--{name} is for --output: frames are channels and show no face")
-    save = None if options.output is None else _saver(options, checked_face)
+    save = None if options.output is None else _saver(options)
     edits = EMPTY if options.edits is None else read_layer(options.edits)
     handle = Perform(library, performer, rate, options.seed, score, save, edits)
     return _run("perform", options, library, handle)
 
 
-def _saver(options: argparse.Namespace, checked_face: CheckFace) -> Callable[[Animation, str, str], None]:
+def _saver(options: argparse.Namespace) -> Callable[[Animation, str, str], None]:
     from mien.api import calls as api
     from mien.serve.modules.handlers import output_path
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mien.cli.foreign_face import add_face_option
+from mien.cli.outputs import checked_face, finish, tell
 from mien.cli.view_options import add_view_options
 
 if TYPE_CHECKING:
@@ -15,13 +15,11 @@ if TYPE_CHECKING:
 
 __all__ = ["add_command"]
 
-CheckFace = Callable[[argparse.Namespace, Sequence[str | None]], Any]
-Finish = Callable[[Any, Any, argparse.Namespace], int]
 MARKERS = (".npz", ".c3d", ".csv")
 
 
-def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
-    """Add ``mien recolor`` to the commands; ``checked_face`` checks the outputs first, ``finish`` writes them."""
+def add_command(commands: Any) -> None:
+    """Add ``mien recolor`` to the commands."""
     recolor = commands.add_parser("recolor", help="show a motion in another emotion")
     recolor.add_argument(
         "motion",
@@ -56,10 +54,10 @@ def add_command(commands: Any, checked_face: CheckFace, finish: Finish) -> None:
     add_face_option(recolor)
     add_view_options(recolor)
     recolor.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    recolor.set_defaults(run=lambda options: _recolor(options, checked_face, finish), deformer="blendshapes")
+    recolor.set_defaults(run=_recolor, deformer="blendshapes")
 
 
-def _recolor(options: argparse.Namespace, checked_face: CheckFace, finish: Finish) -> int:
+def _recolor(options: argparse.Namespace) -> int:
     from mien.cli.recolored_markers import is_marker_output, write_markers
     from mien.core.errors import InputError
 
@@ -78,14 +76,9 @@ def _recolor(options: argparse.Namespace, checked_face: CheckFace, finish: Finis
         write_markers(made.markers, path)
         if not options.quiet:
             print(f"{path}: {len(made.markers)} frames of {len(made.markers.names)} markers at {made.markers.rate}/s")
-    return finish(made, face, options) if shown else _say(made, options.quiet)
-
-
-def _say(made: Animation, quiet: bool) -> int:
-    import sys
-
-    for note in () if quiet else made.notes:
-        print(f"mien: {note.kind}: {note.message}", file=sys.stderr)
+    if face is not None:
+        return finish(made, face, options)
+    tell(made.notes, options.quiet)
     return 0
 
 

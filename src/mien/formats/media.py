@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["open_media"]
 
-_PLAYLISTS = {"concat", "hls", "applehttp", "dash", "imf", "sdp", "rtsp", "webm_dash_manifest", "image2"}
+_PLAYLISTS = {"concat", "hls", "applehttp", "dash", "imf", "sdp", "rtsp", "webm_dash_manifest"}
 _NO_PROTOCOL = {"protocol_whitelist": "none"}
 
 
@@ -37,7 +37,7 @@ def open_media(path: str | Path, kind: str = "a sound or video file") -> Iterato
     Raises
     ------
     InputError
-        If it cannot be opened or decoded, is a playlist, or its picture is larger than the limit ``pixels``.
+        If it cannot be decoded, is a picture or a playlist, or its picture is larger than the limit ``pixels``.
     """
     import av
 
@@ -51,6 +51,8 @@ def open_media(path: str | Path, kind: str = "a sound or video file") -> Iterato
             except av.FFmpegError as problem:
                 raise InputError(f"{path}: expected {kind}, got something that no decoder knows") from problem
             with container:
+                if container.format.name == "image2" or container.format.name.endswith("_pipe"):
+                    raise InputError(f"{path}: expected {kind}, got a picture")
                 if _PLAYLISTS & set(container.format.name.split(",")):
                     raise InputError(f"{path}: a list of other files ({container.format.long_name}): give those")
                 for stream in container.streams.video:

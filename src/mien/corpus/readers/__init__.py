@@ -66,5 +66,5 @@ def detect(source: Path) -> Reader:
     for reader in READERS:
         if reader.recognises(source):
             return reader
-    kinds = "; ".join(reader.about for reader in READERS)
-    raise InputError(f"{source}: no recording found that mien knows; expected {kinds}")
+    names = ", ".join(reader.name for reader in READERS)
+    raise InputError(f"{source}: no recording found that mien knows; expected one of {names} (docs/corpus.md)")

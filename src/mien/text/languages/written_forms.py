@@ -12,19 +12,16 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any
 
 from mien.text.languages.language import Language
-from mien.text.languages.plain_numbers import Numbers
 from mien.text.languages.tokens import Token, tokens_of
+from mien.text.languages.written_patterns import WrittenPatterns
 
 __all__ = ["Form", "spoken_tokens", "written_forms"]
 
-_BLANK = "[ \u00a0\u202f\u2009]?"
 _TAIL = re.compile(r"[\"'”“»)\]\s]*\Z")
 _ROMAN = re.compile(r"X{0,3}(?:IX|IV|V?I{0,3})")
 _VALUES = {"I": 1, "V": 5, "X": 10}
-_LETTERS_MOST = 5
 _MASKS = "\ue000\ue001"
 _MASKED = re.compile(r"\ue000+|\ue001+|[^\s\ue000\ue001–—-][^\s\ue000\ue001]*")
 
@@ -100,138 +97,17 @@ def _word_before(match: re.Match[str]) -> str:
     return word[1].lower() if word else ""
 
 
-class _Reader:
-    """One language's patterns, and a method for each: from its match to what is said, None if it is none after all."""
+class _Reader(WrittenPatterns):
+    """A method for each pattern of a language: from its match to what is said, None if it is none after all."""
 
     def __init__(self, language: Language) -> None:
-        table = language.table
-        self.table: dict[str, Any] = table.get("written", {})
-        self.numbers = Numbers(language)
-        self.units, self.money = table.get("units", {}), table.get("currencies", {})
-        self.ordinals, self.signs = table.get("ordinals", {}), table.get("signs", {})
-        self.counters: dict[str, str] = table.get("counters", {})
-        self.pinyin = bool(table.get("pinyin"))
-        self.short: dict[str, str] = table.get("abbreviations", {})
-        self.words_in_capitals = frozenset(self.table.get("words_in_capitals", "").split())
-        self.months = [month.split("|") for month in self.table.get("months", "").split()]
-        self.vowels = re.compile(f"[{self.table.get('vowels', 'AEIOUYÄÖÜÅÉÈÊÀÁÍÓÚ')}]")
-        patterns = dict(self._patterns())
+        super().__init__(language)
+        patterns = dict(self.patterns())
         self.pattern = re.compile("|".join(f"(?P<{name}>{pattern})" for name, pattern in patterns.items()))
         self.readers: dict[str, Callable[[re.Match[str]], str | None]] = {
             name: partial(self._ordinal, int(name[7:])) if name.startswith("ordinal") else getattr(self, f"_{name}")
             for name in patterns
         }
-
-    def _patterns(self) -> Iterator[tuple[str, str]]:
-        table, number = self.table, self.numbers.pattern
-        # Chinese and Japanese put no blanks about figures
-        start, end = (r"(?<![\d.,])", "(?![A-Za-z])") if "east" in table else (r"(?<![\w.,])", r"(?!\w)")
-        day, month = r"(?:0?[1-9]|[12]\d|3[01])", r"(?:0?[1-9]|1[0-2])"
-        hour, minute = r"(?:[01]?\d|2[0-4])", r"[0-5]\d"
-        spaced = "|".join(re.escape(name) for name in self.short if " " in name)
-        if spaced:
-            yield "short", rf"(?i:(?<!\w)(?:{spaced}))"
-        if table.get("phone") == "pairs":
-            yield "pairs", r"(?<![\w.,:])(?:\+\d\d[ .-]?(?:\(0\))?[1-9]|0[1-9])(?:[ .-]?\d\d){4}(?![\w.,]?\d)"
-        yield (
-            "phone",
-            r"\+\d[\d /()-]{6,20}\d"
-            r"|(?<![\w.,:])(?!\d\d(?P<pp>[/-])\d\d(?P=pp)\d\d)0\d{1,5}(?:[ /-]\d{2,10}){1,5}(?![\w.,:])",
-        )
-        if "date" in table:
-            yield "iso", rf"(?<!\d)(?P<iy>\d{{4}})(?P<is>[-/])(?P<im>{month})(?P=is)(?P<id>{day})(?!\d)"
-            if table.get("day_first", True):
-                yield (
-                    "date",
-                    (
-                        rf"(?<![\d.,/-])(?P<dd>{day})(?P<ds>[./-]){_BLANK}(?P<dm>{month})(?P=ds){_BLANK}"
-                        r"(?P<dy>\d{4}|\d\d)(?![\d/-]|[.,]\d)"
-                    ),
-                )
-            if "east" in table:
-                years, months, days = table["east"].split()
-                yield "east", rf"(?:(?P<ey>\d{{4}})(?:{years}))?(?P<em>{month})(?:{months})(?:(?P<ed>{day})(?:{days}))?"
-            if table.get("dots"):
-                yield "dotted", rf"(?<![\d.,])(?P<pd>{day})\.{_BLANK}(?P<pm>{month})\.(?!\d)"
-            names = "|".join(re.escape(form) for forms in self.months for form in forms)
-            if names:
-                yield (
-                    "named",
-                    (
-                        rf"(?<![\d.,:])(?P<nd>{day})(?:\.|er\b|º|°|:e|-?е|-?го)?{_BLANK}"
-                        rf"(?P<no>(?i:(?:de |di |d')?(?:{names}))\b)"
-                        + (r"(?P<ny>,? \d{4}(?!\d))?" if "named" in table else "(?P<ny>(?!))?")
-                    ),
-                )
-        yield from self._clocks(hour, minute)
-        money = "|".join(re.escape(sign) for sign in sorted(self.money, key=len, reverse=True))
-        if money:
-            before = money + "".join(f"|{sign}" for sign in table.get("unit_before", ""))
-            yield "before", rf"(?P<bs>{before}){_BLANK}(?P<bn>{number}){end}"
-            yield "after", rf"{start}(?P<an>{number}){_BLANK}(?P<as>{money}){end}"
-        units = "|".join(re.escape(sign) for sign in sorted(self.units, key=len, reverse=True))
-        minus = r"(?P<{}>(?<![\w\d])[-−](?=\d))?"
-        if units:
-            yield "unit", rf"(?:{start}|(?<=[-−])){minus.format('um')}(?P<un>{number}){_BLANK}(?P<us>{units}){end}"
-        fractions = "|".join(sign for sign in self.signs if "/" in sign)
-        if fractions:
-            yield "fraction", rf"(?<![\w/.,])(?:{fractions})(?![\w/]|[.,]\d)"
-        if self.counters:  # not a fraction: 3分の1
-            longest = sorted(self.counters, key=len, reverse=True)
-            named = "|".join(sign for sign in longest if sign[0].isdigit())
-            signs = "|".join(sign for sign in longest if not sign[0].isdigit())
-            yield (
-                "counter",
-                rf"{start}(?:(?P<ci>{named})|(?P<cn>\d{{1,4}})(?P<cw>{signs}))(?P<ck>{table['stretch'].split()[0]})?(?!の\d)",
-            )
-        if "ranked_after" in table:
-            before = "|".join(rf"(?<=\b{word} )" for word in table["ranked_after"])
-            yield "ranked", rf"(?i:{before})(?P<rn>\d{{1,3}})\.(?=[ \u00a0]{table['ranked_noun']})"
-        for place, suffix in enumerate(self.ordinals):
-            yield f"ordinal{place}", rf"{start}(?P<o{place}>\d{{1,4}})(?:{suffix})"
-        if "year" in table:
-            yield "year", r"(?<![\w.,:/-])(?:1[1-9]|20)\d\d(?![\w:/]|[.,]\d|[-–]\d)"
-        if "range" in table:
-            yield "range", rf"(?<![\w.,-])(?P<low>{number}){_BLANK}[-–]{_BLANK}(?=(?P<high>{number})(?![-–\w]))"
-        tone = "(?<![a-zü])" if self.pinyin else ""  # hao3
-        yield "number", rf"{tone}{minus.format('nm')}(?P<nn>{number})"
-        if "roman" in table:
-            suffix, stop = table.get("roman_suffix", "(?!)"), r"\.?" if table.get("dots") else ""
-            yield "century", rf"(?<!\w)(?P<xc>[IVX]{{1,6}})(?:{suffix})(?!\w)"
-            yield "roman", rf"(?<![\w.])(?P<xr>[IVX]{{2,6}}){stop}(?!\w)"
-        if table.get("capitals", True):
-            yield "capitals", rf"(?<![\w'’])[^\W\d_a-zß-öø-ÿ]{{2,{_LETTERS_MOST}}}(?![\w'’])"
-        signs = "".join(re.escape(sign) for sign in self.signs if len(sign) == 1)
-        if signs:
-            yield "sign", f"[{signs}]"
-
-    def _clocks(self, hour: str, minute: str) -> Iterator[tuple[str, str]]:
-        """Times: with a colon; with a stop between words of the clock; with a letter (15h30); hours alone."""
-        if "clock" not in self.table:
-            return
-        after = self.table.get("clock_after", "")
-        tail = rf"(?:{_BLANK}(?:{after})(?!\w))" if after else "(?!)"
-        yield "colon", rf"(?<![\d:.,])(?P<ch>{hour}):(?P<cm>{minute})(?::(?P<cs>{minute}))?(?![\d:]|[.,]\d){tail}?"
-        if "clock_before" in self.table:
-            before = (
-                "|".join(f"(?<={word})" for word in self.table["clock_before"].split("|") if word) or r"(?<![\d.,])"
-            )
-            yield (
-                "stop",
-                (
-                    rf"(?:{before})(?P<sh>{hour})\.(?P<sm>{minute})(?![\d.]\d|\d){tail}?"
-                    rf"|(?<![\d.,])(?P<th>{hour})\.(?P<tm>{minute}){tail}"
-                ),
-            )
-        if "clock_letter" in self.table:
-            letter, ends = self.table["clock_letter"], self.table.get("clock_minute", "min")
-            before, edge = (r"(?<![\d.,])", "") if "east" in self.table else (r"(?<![\w.,])", r"(?![\w/])")
-            yield (
-                "letter",
-                rf"{before}(?P<lh>{hour}){_BLANK}(?:{letter})(?:{_BLANK}(?P<lm>{minute})(?:{_BLANK}(?:{ends}))?)?{edge}",
-            )
-        if after:
-            yield "whole", rf"(?<![\w.,])(?P<wh>{hour}){tail}"
 
     # ---- What is said ------------------------------------------------------------------------------------------
 
