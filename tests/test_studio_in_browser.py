@@ -105,6 +105,11 @@ def test_effort_and_eyes_show_before_they_are_performed(seen):
     assert back == before
 
 
+def test_the_voice_follows_a_slider_under_the_finger(seen):
+    assert seen["slid"] == {"promise": "You hear it as you slide.", "other": seen["slid"]["other"], "back": 0}
+    assert abs(seen["slid"]["other"]) > 51, "the line is as long without emotion in its voice"
+
+
 def test_what_is_shown_is_sent_live_and_a_textgrid_is_taken(seen):
     assert (seen["live"]["sending"], seen["live"]["to"], seen["live"]["kind"]) == (True, "127.0.0.1:9", "livelink")
     assert seen["grid"]

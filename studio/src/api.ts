@@ -64,6 +64,10 @@ export async function head(id: string): Promise<Head> {
 export const fitHead = async (id: string, landmarks: Record<string, number[]>): Promise<string> =>
   (await read<{ job: string }>(`/api/heads/${id}/fit`, json('POST', { landmarks }))).job;
 
+/** The small picture that the page has drawn of a face of one's own. */
+export const keepPicture = (id: string, picture: Blob): Promise<unknown> =>
+  read(`/api/faces/${id}.jpg`, { method: 'PUT', headers: { 'Content-Type': 'image/jpeg' }, body: picture });
+
 export const addFace = (file: Blob, name: string): Promise<{ face: string; report: unknown }> =>
   read(`/api/faces?name=${encodeURIComponent(name)}`, { method: 'POST', headers: { 'Content-Type': 'model/gltf-binary' }, body: file });
 
@@ -87,6 +91,10 @@ export const startTake = async (request: TakeRequest, recording?: File): Promise
 /** The next step of a take: some fields changed, another layer, another sound, or none any more (`sound: null`). */
 export const redo = async (id: string, changed: TakeRequest & { layer?: Layer; sound?: null }, recording?: File): Promise<string> =>
   (await read<{ job: string }>(`/api/takes/${id}/redo`, asked(changed, recording))).job;
+
+/** The line with some fields changed, to be heard and seen only: a job whose take is there until the next trial is. */
+export const trial = async (id: string, changed: TakeRequest & { layer?: Layer }): Promise<string> =>
+  (await read<{ job: string }>(`/api/takes/${id}/trial`, asked(changed))).job;
 
 /** Has the server make ready what is being written; whether it does is its own affair. */
 export const ahead = (request: TakeRequest): Promise<unknown> => read('/api/ahead', json('POST', request)).catch(() => undefined);

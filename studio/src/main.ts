@@ -18,6 +18,7 @@ import { helpDialog, listenToKeys } from './shortcuts';
 import { split } from './splitter';
 import { Stage } from './stage';
 import { Timeline } from './timeline/timeline';
+import { Trial } from './trial';
 import { Tabs } from './tabs';
 import { transport } from './transport';
 import './style.css';
@@ -71,7 +72,11 @@ async function start(): Promise<void> {
   };
   const back = (): void => { if (session.take !== undefined && !session.working) session.show(session.layer); else show(); };
   const page = new PageKeeper(() => state());
-  const line = new LinePanel(session, stage, back, () => page.touch(), () => { playback.seek(playback.loop?.[0] ?? 0); void playback.play(); });
+  const line = new LinePanel(session, stage, new Trial(session, playback), back, () => page.touch(), () => {
+    if (playback.playing) return;
+    playback.seek(playback.loop?.[0] ?? 0);
+    void playback.play();
+  });
   const face = new FacePanel(session, stage, () => { show(); void line.emotions.draw(face.id); page.touch(); });
   rig = new RigPanel(session, stage, () => ({ id: face.id, name: face.name }), show);
   const files = new ExportPanel(session, () => ({ face: face.id, light: lights.value, camera: views.value }));

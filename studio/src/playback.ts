@@ -53,6 +53,15 @@ export class Playback extends Events<{ state: void; time: number }> {
     this.emit('state', undefined);
   }
 
+  /** Another sound of the same line in the place of this one, at a moment of its own; it plays on if this one plays. */
+  swap(wav: ArrayBuffer, seconds: number, at: number, play = this.playing): void {
+    const { loop } = this;
+    this.load(wav, seconds, this.fps);
+    this.loop = loop !== null && loop[1] <= seconds ? loop : null;
+    this.seek(at);
+    if (play) void this.play();
+  }
+
   async play(): Promise<void> {
     if (this.address === '') return;
     const [first, last] = this.loop ?? [0, this.seconds];

@@ -180,8 +180,7 @@ export class Session extends Events<Happenings> {
   // ------------------------------------------------------------ what is shown
 
   /** Shows a layer while something is being dragged; nothing is kept yet. */
-  show(layer: Layer, base: Float32Array = this.plain, speech: Speech = this.speech): void {
-    const { take } = this;
+  show(layer: Layer, base: Float32Array = this.plain, speech: Speech = this.speech, take: Take | undefined = this.take): void {
     if (take === undefined) return;
     const values = base.slice();
     layOver(values, take.channels, take.fps, layer, speech, this.facts);

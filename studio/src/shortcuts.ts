@@ -13,7 +13,7 @@ const LIST: [string, string][] = [
   ['↑ ↓', 'handle: value (Shift: more)'], ['Delete', 'handle: remove; border: back where it was'],
   ['drag over lanes', 'choose keys (Shift: further ones)'], ['Ctrl+A, Ctrl+C, X, V', 'keys: choose all, copy, cut, paste at the playhead'], ['Alt+[ Alt+]', 'chosen values smaller, larger'], ['T', 'tangent of the chosen keys: auto, flat, linear, step'],
   ['M, Shift+← →', 'marker here, to the markers'], ['right click, Shift+F10', 'what can be done there'],
-  ['double click', 'add a point or a key; on a word: loop it'], ['wheel, Ctrl+wheel, Alt+wheel', 'scroll, zoom time, zoom values'], ['middle button', 'pan'], ['Enter', 'in the text: perform'], ['?', 'this list'],
+  ['double click', 'add a point or a key; on a word: loop it; on a sound: correct it'], ['wheel, Ctrl+wheel, Alt+wheel', 'scroll, zoom time, zoom values'], ['middle button', 'pan'], ['Enter', 'in the text: perform'], ['?', 'this list'],
 ];
 
 export function helpDialog(): HTMLDialogElement {

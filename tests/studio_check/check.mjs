@@ -128,6 +128,21 @@ try {
   await page.mouse.move(300, 300);
   seen.hovered.push(sum(await shown('jawOpen')));
 
+  // A slider under the finger: the line is heard and seen so while it is held, and as before once it is let go where it was.
+  const length = () => page.evaluate(() => window.mienStats.shown().values.length);
+  const [slider, whole] = [page.locator('#field-voice_emotion'), await length()];
+  await slider.scrollIntoViewIfNeeded();
+  const track = await slider.boundingBox();
+  await page.mouse.move(track.x + track.width - 8, track.y + track.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(track.x + 8, track.y + track.height / 2);
+  await page.waitForFunction((before) => window.mienStats.shown().values.length !== before && document.querySelector('.play').getAttribute('aria-label') === 'Pause', whole);
+  seen.slid = { promise: await page.locator('.manner .help:not([hidden])').last().innerText(), other: (await length()) - whole };
+  await page.mouse.move(track.x + track.width - 8, track.y + track.height / 2);
+  await page.mouse.up();
+  await page.waitForFunction((before) => window.mienStats.shown().values.length === before, whole);
+  seen.slid.back = (await length()) - whole;
+
   // What is shown is sent to an engine, until the button is pressed again.
   await page.click('[data-do=live]');
   await page.fill('#field-to', '127.0.0.1:9');

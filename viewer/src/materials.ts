@@ -1,5 +1,6 @@
 // How a face takes light: skin, wet eyes, and eyes that stay behind shut lids. Hand-made by eye.
 import { Box3, Color, MeshPhysicalMaterial, MeshStandardMaterial, Vector3, type Material, type Mesh, type Object3D } from 'three';
+import { findDepth, findThin, pores, tilesOf } from './flesh.js';
 
 const SKIN = /skin|face|head|body/i;
 const EYE = /eye|cornea|sclera|iris/i;
@@ -7,20 +8,23 @@ const NOT_EYE = /lash|brow|lid|shadow|socket|tear|glass/i;
 const NOT_SKIN = /hair|brow|lash|teeth|tooth|tongue|eye|cloth|shirt/i;
 const WET = /teeth|tooth|tongue|gum|caruncle/i;
 const BEHIND = 0.07; // of an eyeball's width: so far behind itself it counts in the depth of the picture
+const EYEBALL_MM = 28; // with what is built around it
 
 /**
  * Gives the meshes below an object surfaces like those of mien's own pictures, by the names of meshes and materials: light runs a
- * little around the edge of skin into the shade, red farthest; eyes, teeth and tongue are wet; and an eyeball counts as lying
- * a little deeper than it does, so that no corner of it shows through a lid that shuts tightly over it.
+ * little around the edge of skin into the shade, red farthest, and through ears; skin has pores where the picture is large enough
+ * to show them; eyes, teeth and tongue are wet, and darker the deeper they lie in the mouth; and an eyeball counts as lying a
+ * little deeper than it does, so that no corner of it shows through a lid that shuts tightly over it.
  *
  * @param made another surface in the place of one, before that (a plainer one, say)
  */
 export function dressFace(object: Object3D, made: (material: Material) => Material = (material) => material): void {
+  const millimetre = millimetreOf(object);
   object.traverse((part) => {
     const mesh = part as Mesh;
     if (!mesh.isMesh) return;
     const dress = (material: Material): Material => {
-      const dressed = surface(made(material));
+      const dressed = surface(made(material), mesh, millimetre);
       if (!isEye(mesh.name, material.name)) return dressed;
       const own = dressed === material ? material.clone() : dressed; // the skin may have the same
       sink(own, BEHIND * widthOf(mesh));
@@ -40,7 +44,18 @@ function widthOf(mesh: Mesh): number {
   return Math.max(y, z);
 }
 
-function surface(material: Material): Material {
+/** What a millimetre is in the world, as eyeballs have it; 0 where there are none. */
+function millimetreOf(object: Object3D): number {
+  let width = 0;
+  object.traverse((part) => {
+    const mesh = part as Mesh;
+    if (mesh.isMesh && [mesh.material].flat().some((material) => isEye(mesh.name, material.name))) width = Math.max(width, widthOf(mesh));
+  });
+  return width / EYEBALL_MM;
+}
+
+function surface(material: Material, mesh: Mesh, millimetre: number): Material {
+  if (WET.test(material.name) && !isEye(material.name)) shadeMouth(material, mesh);
   if (!(material instanceof MeshStandardMaterial)) return material;
   material.envMapIntensity = 1;
   const { name } = material;
@@ -56,6 +71,7 @@ function surface(material: Material): Material {
     made.sheenRoughness = 0.45;
     made.sheenColor = new Color(0xffc9ae);
     shaded(made, (shader) => { shader.fragmentShader = shader.fragmentShader.replace('#include <lights_physical_pars_fragment>', SCATTER); });
+    if (millimetre > 0) flesh(made, mesh, millimetre);
   } else { // a film of water over what is matt itself
     made.roughness = Math.max(material.roughness, 0.45);
     made.clearcoat = eye ? 1 : 0.6;
@@ -71,6 +87,35 @@ export function shaded(material: Material, change: (shader: Shader) => void): vo
   const [before, key] = [material.onBeforeCompile, material.customProgramCacheKey()];
   material.onBeforeCompile = (shader, renderer) => { before.call(material, shader, renderer); change(shader); };
   material.customProgramCacheKey = () => `${key}${change.toString()}`;
+}
+
+/** Teeth, gums and tongue darker, the deeper they lie in the mouth: lips and cheeks keep light away. */
+function shadeMouth(material: Material, mesh: Mesh): void {
+  findDepth(mesh);
+  shaded(material, (shader) => {
+    shader.vertexShader = shader.vertexShader.replace('void main() {', 'attribute float mienDeep;\nvarying float vMienDeep;\nvoid main() {\nvMienDeep = mienDeep;');
+    shader.fragmentShader = shader.fragmentShader.replace('void main() {', 'varying float vMienDeep;\nvoid main() {').replace('#include <opaque_fragment>', DARK);
+  });
+}
+
+/** Light through thin skin, and pores. */
+function flesh(material: MeshPhysicalMaterial, mesh: Mesh, millimetre: number): void {
+  const unit = millimetre / mesh.matrixWorld.getMaxScaleOnAxis();
+  findThin(mesh, unit);
+  const tiles = material.map === null ? 0 : tilesOf(mesh, unit);
+  const { texture, steepest } = pores();
+  if (mesh.geometry.getAttribute('mienThin') !== undefined) {
+    shaded(material, (shader) => {
+      shader.vertexShader = shader.vertexShader.replace('void main() {', 'attribute float mienThin;\nvarying float vMienThin;\nvoid main() {\nvMienThin = mienThin;');
+      shader.fragmentShader = shader.fragmentShader.replace('#define RE_Direct RE_Direct_Skin', THROUGH);
+    });
+  }
+  if (tiles > 0) {
+    shaded(material, (shader) => {
+      Object.assign(shader.uniforms, { mienPores: { value: texture }, mienTiles: { value: new Vector3(tiles, steepest, 0) } });
+      shader.fragmentShader = shader.fragmentShader.replace('void main() {', 'uniform sampler2D mienPores;\nuniform vec3 mienTiles;\nvoid main() {').replace('#include <normal_fragment_maps>', PORES);
+    });
+  }
 }
 
 function sink(material: Material, depth: number): void {
@@ -99,4 +144,34 @@ void RE_Direct_Skin( const in IncidentLight directLight, const in vec3 geometryP
   reflectedLight.directDiffuse += ( wrapped - max( plainCosine, 0.0 ) ) * directLight.color * BRDF_Lambert( material.diffuseContribution );
 }
 #define RE_Direct RE_Direct_Skin
+`;
+
+const DARK = /* glsl */ `
+outgoingLight *= mix( 0.62, 0.16, smoothstep( 0.0, 0.8, vMienDeep ) );
+#include <opaque_fragment>
+`;
+
+// What falls on the other side of thin skin comes through, red most (Dachsbacher & Stamminger 2003, with a thickness that is
+// worked out once instead of a map of depths).
+const THROUGH = /* glsl */ `
+varying float vMienThin;
+void RE_Direct_Thin( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+  RE_Direct_Skin( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+  float behind = clamp( 2.0 * ( 0.1 - dot( geometryNormal, directLight.direction ) ), 0.0, 1.0 );
+  reflectedLight.directDiffuse += vMienThin * behind * vec3( 0.42, 0.09, 0.04 ) * directLight.color * BRDF_Lambert( material.diffuseContribution );
+}
+#define RE_Direct RE_Direct_Thin
+`;
+
+// A pixel of 0.26 mm of skin begins to show pores, one of 0.13 mm shows all of them (bump mapping, Blinn 1978).
+const PORES = /* glsl */ `
+#include <normal_fragment_maps>
+vec2 mienTile = vMapUv * mienTiles.x;
+float mienShare = clamp( ( 0.26 - 28.0 * max( length( dFdx( mienTile ) ), length( dFdy( mienTile ) ) ) ) / 0.13, 0.0, 1.0 );
+vec3 mienPore = texture2D( mienPores, mienTile ).rgb;
+vec3 mienUp = ( viewMatrix * vec4( 0.0, 1.0, 0.0, 0.0 ) ).xyz;
+vec3 mienAcross = normalize( cross( mienUp, normal ) + vec3( 1e-6, 0.0, 0.0 ) );
+vec2 mienSlope = mienShare * mienTiles.y * ( mienPore.xy * 2.0 - 1.0 );
+normal = normalize( normal - mienSlope.x * mienAcross - mienSlope.y * cross( normal, mienAcross ) );
+diffuseColor.rgb *= 1.0 - 0.16 * mienShare * mienPore.z;
 `;

@@ -2,6 +2,8 @@
 import { make } from '../dom';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
+import type { Trial } from '../trial';
+import type { Layer, TakeRequest } from '../types';
 
 const SIZE = 144; // px: drawn twice as large as it is shown, so that edges are smooth
 
@@ -10,13 +12,14 @@ export class Emotions {
   private readonly grid = make('div', { class: 'faces', role: 'group', 'aria-label': 'Emotion' });
   private readonly strength = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 0.7, id: 'strength', 'aria-label': 'Strength of the emotion' });
   private readonly told = make('output', { for: 'strength' }, '70 %');
-  private readonly follows = make('p', { class: 'help', hidden: true }, 'The voice follows when you let go.');
+  private readonly follows = make('p', { class: 'help', hidden: true });
   private readonly buttons = new Map<string, HTMLButtonElement>();
   private drawn = '';
   chosen = '';
 
-  /** @param feel performs the line in an emotion (`''`: none) of a strength */
-  constructor(private readonly session: Session, private readonly stage: Stage, private readonly back: () => void, private readonly feel: (name: string, strength: number) => void) {
+  /** @param feel performs the line in an emotion (`''`: none) of a strength; `felt` is what it asks the server for */
+  constructor(private readonly session: Session, private readonly stage: Stage, private readonly trial: Trial, private readonly back: () => void,
+    private readonly feel: (name: string, strength: number) => Promise<boolean>, private readonly felt: (name: string, strength: number) => TakeRequest & { layer?: Layer }) {
     const row = make('div', { class: 'strength' }, make('span', {}, 'Strength'), this.strength, this.told);
     this.element.append(this.grid, row, this.follows);
     this.add('', 'neutral');
@@ -24,9 +27,17 @@ export class Emotions {
     this.strength.addEventListener('input', () => {
       this.tell();
       this.follows.hidden = session.take === undefined || session.take.from_sound === true;
-      if (this.chosen !== '' && this.chosen !== 'auto') session.showFeeling(this.chosen, this.amount);
+      this.follows.textContent = trial.promise;
+      if (this.chosen === '' || this.chosen === 'auto') return;
+      if (!trial.heard) session.showFeeling(this.chosen, this.amount);
+      trial.ask(felt(this.chosen, this.amount), true);
     });
-    this.strength.addEventListener('change', () => { this.follows.hidden = true; if (this.chosen !== '' && this.chosen !== 'auto') this.feel(this.chosen, this.amount); });
+    const end = (): void => { this.follows.hidden = true; };
+    this.strength.addEventListener('change', () => {
+      end();
+      if (this.chosen !== '' && this.chosen !== 'auto') trial.end(this.feel(this.chosen, this.amount));
+    });
+    trial.endsWith(this.strength, end);
     this.set('', 0.7);
   }
 
@@ -43,14 +54,19 @@ export class Emotions {
   }
 
   private add(name: string, label: string): void {
+    const { trial } = this;
     const press = make('button', { type: 'button', class: 'feeling', 'data-emotion': name, 'aria-pressed': 'false', title: label },
       name === 'auto' ? make('span', { class: 'heard', 'aria-hidden': 'true' }, '♪') : make('canvas', { width: SIZE, height: SIZE, 'aria-hidden': 'true' }), make('span', {}, label));
     press.addEventListener('pointerenter', (event) => { if (event.pointerType === 'mouse') this.point(name); });
-    press.addEventListener('pointerleave', (event) => { if (event.pointerType === 'mouse') this.back(); });
+    press.addEventListener('pointerleave', (event) => {
+      if (event.pointerType !== 'mouse') return;
+      this.back();
+      trial.end();
+    });
     press.addEventListener('click', () => {
       this.set(name, this.amount || 0.7);
       if (name !== 'auto') this.session.showFeeling(name, this.amount);
-      this.feel(name, this.amount);
+      trial.end(this.feel(name, this.amount));
     });
     this.buttons.set(name, press);
     this.grid.append(press);
@@ -60,7 +76,10 @@ export class Emotions {
   private point(name: string): void {
     if (this.session.working || name === 'auto') return;
     if (this.session.take === undefined) this.stage.mask(this.session.mask(name), this.amount || 0.7);
-    else this.session.showFeeling(name, this.amount || 0.7);
+    else {
+      this.session.showFeeling(name, this.amount || 0.7);
+      this.trial.ask(this.felt(name, this.amount || 0.7), false);
+    }
   }
 
   /** What is chosen, without performing it. */

@@ -70,6 +70,7 @@ export class FacePanel {
     this.stage.portrait(canvas, undefined);
     this.pictures.set(id, canvas);
     placeholder.replaceWith(canvas);
+    canvas.toBlob((drawn) => { if (drawn !== null) void api.keepPicture(id, drawn).catch(() => undefined); }, 'image/jpeg', 0.85); // for the next time
   }
 
   async upload(file: File | undefined): Promise<void> {

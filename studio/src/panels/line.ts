@@ -6,6 +6,7 @@ import { Emotions } from './emotions';
 import type { Stage } from '../stage';
 import { LineText } from './line_text';
 import { Manner, withGaze } from './manner';
+import type { Trial } from '../trial';
 import * as api from '../api';
 
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
@@ -40,9 +41,13 @@ export class LinePanel {
   private writing = 0;
   private others: string[] = []; // emotions beside the one that is chosen
 
-  constructor(private readonly session: Session, stage: Stage, back: () => void, private readonly changed: () => void, hear: () => void) {
-    this.emotions = new Emotions(session, stage, back, (name, strength) => void this.feel(name, strength));
-    this.manner = new Manner(session, stage, back, (target) => this.look(target), (aloud) => void this.again().then((done) => { if (done && aloud) hear(); }));
+  constructor(private readonly session: Session, stage: Stage, trial: Trial, back: () => void, private readonly changed: () => void, hear: () => void) {
+    this.emotions = new Emotions(session, stage, trial, back, (name, strength) => this.feel(name, strength), (name, strength) => this.felt(name, strength));
+    this.manner = new Manner(session, stage, trial, back, (target) => this.look(target), async (aloud) => {
+      const done = await this.again();
+      if (done && aloud) hear();
+      return done;
+    });
     this.text = new LineText(session.about.emotions, () => void this.perform());
     this.text.value = EXAMPLE;
     this.fill();
@@ -158,12 +163,14 @@ export class LinePanel {
   }
 
   /** Performs the line in another emotion; a curve that was drawn for it gives way. */
-  private async feel(name: string, strength: number): Promise<void> {
-    if (this.session.take === undefined) return;
+  private async feel(name: string, strength: number): Promise<boolean> {
+    return this.session.take === undefined ? false : this.session.perform(this.felt(name, strength));
+  }
+
+  private felt(name: string, strength: number): TakeRequest & { layer?: Layer } {
     const was = this.session.layer;
     const edits = was.edits.filter((edit) => edit.kind !== 'intensity' || (edit.emotion !== name && this.others.some((other) => other.startsWith(edit.emotion))));
-    const layer: Layer = { ...was, edits };
-    await this.session.perform({ emotion: this.asked(name, strength), ...(edits.length === was.edits.length ? {} : { layer }) });
+    return { emotion: this.asked(name, strength), ...(edits.length === was.edits.length ? {} : { layer: { ...was, edits } }) };
   }
 
   private asked(name: string, strength: number): string[] {

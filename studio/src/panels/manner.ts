@@ -3,6 +3,7 @@ import { button, make } from '../dom';
 import { looking } from '../performance';
 import type { Session } from '../session';
 import type { Stage } from '../stage';
+import type { Trial } from '../trial';
 
 const EFFORTS: readonly (readonly [string, number])[] = [['mumbled', 0.4], ['relaxed', 0.7], ['as it is', 1], ['clear', 1.4], ['overdone', 1.9]];
 const PAD: readonly (readonly [string, string, string])[] = [
@@ -21,14 +22,14 @@ export class Manner {
   private readonly effortTold = make('output', { for: 'field-effort' });
   private readonly voice = make('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1, id: 'field-voice_emotion', 'aria-describedby': 'fault-voice_emotion' });
   private readonly voiceTold = make('output', { for: 'field-voice_emotion' });
-  private readonly follows = make('p', { class: 'help', hidden: true }, 'The line is spoken so and played when you let go.');
+  private readonly follows = make('p', { class: 'help', hidden: true });
   private readonly efforts: HTMLButtonElement[];
   private readonly eyes: HTMLButtonElement[];
   private was = 1; // the effort that is performed
   private asked: '' | 'auto' | 'hand' = ''; // who sets the effort: the emotion or else the voice, the voice whatever is felt, the slider
 
   /** @param changed performs the line as the controls have it; `hear`: one wants to hear it too */
-  constructor(private readonly session: Session, private readonly stage: Stage, private readonly back: () => void, private readonly gaze: (target: string) => void, private readonly changed: (hear: boolean) => void) {
+  constructor(private readonly session: Session, private readonly stage: Stage, trial: Trial, private readonly back: () => void, private readonly gaze: (target: string) => void, private readonly changed: (hear: boolean) => Promise<boolean>) {
     this.efforts = [this.byItself('', 'by itself', 'Effort as the emotion has it, or else the recording'), this.byItself('auto', 'as the voice', 'Effort as it is heard in the recording, whatever is felt'), ...EFFORTS.map(([label, value]) => this.preset(label, value))];
     this.eyes = PAD.map(([target, sign, what]) => this.direction(target, sign, what));
     const own = button('Own glances', () => this.gaze(''), { class: 'small', 'data-gaze': '', title: 'The eyes move by themselves' });
@@ -41,18 +42,25 @@ export class Manner {
       make('h3', {}, 'Emotion in the voice'),
       make('div', { class: 'strength', 'data-field': 'voice_emotion' }, make('label', { for: 'field-voice_emotion' }, 'How much'), this.voice, this.voiceTold), this.follows, fault('voice_emotion'));
     this.effort.addEventListener('input', () => { this.asked = 'hand'; this.tell(); session.showEffort(this.was, Number(this.effort.value)); });
-    this.effort.addEventListener('change', () => this.changed(false));
-    this.voice.addEventListener('input', () => { this.tell(); this.follows.hidden = session.take === undefined; });
-    this.voice.addEventListener('change', () => { this.follows.hidden = true; this.changed(true); });
+    this.effort.addEventListener('change', () => void this.changed(false));
+    const end = (): void => { this.follows.hidden = true; };
+    this.voice.addEventListener('input', () => {
+      this.tell();
+      this.follows.hidden = session.take === undefined;
+      this.follows.textContent = trial.promise;
+      trial.ask({ voice_emotion: Number(this.voice.value) }, true);
+    });
+    this.voice.addEventListener('change', () => { end(); trial.end(this.changed(true), true); });
+    trial.endsWith(this.voice, end);
     this.tell();
   }
 
   private byItself(asked: '' | 'auto', label: string, title: string): HTMLButtonElement {
-    return button(label, () => { this.asked = asked; this.effort.value = '1'; this.tell(); this.changed(false); }, { class: 'small', 'data-effort': asked, title });
+    return button(label, () => { this.asked = asked; this.effort.value = '1'; this.tell(); void this.changed(false); }, { class: 'small', 'data-effort': asked, title });
   }
 
   private preset(label: string, value: number): HTMLButtonElement {
-    const press = button(label, () => { this.asked = 'hand'; this.effort.value = String(value); this.tell(); this.session.showEffort(this.was, value); this.changed(false); }, { class: 'small', 'data-effort': value, title: `Effort ${value}` });
+    const press = button(label, () => { this.asked = 'hand'; this.effort.value = String(value); this.tell(); this.session.showEffort(this.was, value); void this.changed(false); }, { class: 'small', 'data-effort': value, title: `Effort ${value}` });
     this.hover(press, () => this.session.showEffort(this.was, value));
     return press;
   }

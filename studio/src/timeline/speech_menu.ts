@@ -36,6 +36,12 @@ export class SpeechMenu {
     ];
   }
 
+  /** Asks what the word or the sound at this moment is. */
+  correct(): void {
+    const place = this.tier.findIndex(([begin, end]) => this.at >= begin && this.at < end);
+    if (place >= 0) void this.rename(place, this.tier[place] as Span);
+  }
+
   private async rename(place: number, [, , label]: Span): Promise<void> {
     const given = await (this.kind === 'words' ? ask('What is the word?', label) : ask('Which sound is it?', label, PHONES));
     if (given !== null) this.keep(renamed(this.tier, place, this.kind === 'phones' ? given.toUpperCase() : given));

@@ -116,6 +116,9 @@ export class Timeline {
     this.lanes.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     this.lanes.addEventListener('scroll', () => closeMenu());
     this.lanes.addEventListener('pointerdown', (event) => { if (event.button === 1) this.pan(event); }, { capture: true });
+    this.lanes.addEventListener('pointerdown', (event) => { // below the lanes
+      if ((event.target as HTMLElement).closest('.lane, button, select, details') === null) this.marquee(event);
+    });
     this.lanes.addEventListener('contextmenu', (event) => this.menu(event));
     this.lanes.addEventListener('pointermove', (event) => this.nameUnder(event));
     matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.redraw());
@@ -352,6 +355,10 @@ export class Timeline {
 
   private phones(): Row {
     const lane = new Lane('Phones', 'phones', this.window, (brush) => paintSpans(brush, this.phonesShown(), 'phone'), 'phones');
+    lane.head.title = 'Double click a sound to correct it; the right button has more';
+    lane.body.addEventListener('dblclick', (event) => {
+      if ((event.target as HTMLElement).closest('.handle') === null) new SpeechMenu(this.session, 'phones', this.secondsAt(event), (loop) => this.playback.setLoop(loop)).correct();
+    });
     const find = (key: string): Border | undefined => this.borders().find(({ place }) => `border-${place}` === key);
     const handles = new Handles(lane.layer, this.window, {
       drag: ({ key }, at) => {

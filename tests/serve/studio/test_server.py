@@ -7,11 +7,14 @@ import io
 import time
 import zipfile
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mien.core import channels
+from mien.formats.gltf import write_glb
+from tests.faces import tiny_animation, tiny_face
 from tests.serve.studio.client import Client, form, studio
 
 LINE = "I never said that."
@@ -89,6 +92,25 @@ def test_another_emotion_sounds_so_without_speaking_again(
     told = client.finished(client.ask("POST", f"/api/takes/{take}/redo", {"emotion": "sad", "voice_emotion": "off"}))
     plain = client.workshop.takes.get(told["take"]).animation
     assert old.utterance.duration < plain.utterance.duration < new.utterance.duration  # the old one is angry
+
+
+def test_a_trial_is_heard_and_seen_as_it_would_be_performed_and_nothing_of_it_is_kept(
+    client: Client, take: str
+) -> None:
+    take = client.ask("POST", f"/api/takes/{take}/copy").json["take"]
+    before, steps = client.ask("GET", f"/api/takes/{take}").json, client.ask("GET", f"/api/takes/{take}/steps").body
+    asked = {"emotion": "sad:0.9", "voice_emotion": 0.5}
+    first = client.finished(client.ask("POST", f"/api/takes/{take}/trial", {"voice_emotion": 0.3}))["take"]
+    trial = client.finished(client.ask("POST", f"/api/takes/{take}/trial", asked))["take"]
+    heard, seen = (client.ask("GET", f"/api/takes/{trial}/{part}").body for part in ("sound.wav", "frames"))
+    assert client.ask("GET", f"/api/takes/{take}").json == before
+    assert client.ask("GET", f"/api/takes/{take}/steps").body == steps
+    assert client.ask("GET", f"/api/takes/{first}").status == 404
+    assert trial not in [one["take"] for one in client.ask("GET", "/api/takes").json["takes"]]
+    client.finished(client.ask("POST", f"/api/takes/{take}/redo", asked))
+    assert client.ask("GET", f"/api/takes/{take}/sound.wav").body == heard
+    assert client.ask("GET", f"/api/takes/{take}/frames").body == seen
+    assert client.ask("POST", f"/api/takes/{take}/trial", {"voice_emotion": 7}).json["field"] == "voice_emotion"
 
 
 def test_an_uploaded_sound_is_performed(client: Client, take: str) -> None:
@@ -366,3 +388,17 @@ def test_who_waits_for_a_job_is_told_once_it_is_farther(client: Client) -> None:
         seen.append(client.ask("GET", f"/api/jobs/{job}?wait=5").json)
     assert seen[-1]["state"] == "done"
     assert len(seen) < 60, "it does not wait"
+
+
+def test_a_picture_that_the_page_has_drawn_of_a_face_is_kept_with_it(tmp_path: Path) -> None:
+    write_glb(tiny_animation(1), tiny_face(), tmp_path / "own.glb")
+    with studio(folder=tmp_path / "kept") as client:
+        own = client.ask("POST", "/api/faces", (tmp_path / "own.glb").read_bytes()).json["face"]
+        assert client.ask("GET", f"/api/faces/{own}.jpg").status == 404
+        drawn = b"\xff\xd8\xff and the rest"
+        assert client.ask("PUT", f"/api/faces/{own}.jpg", drawn).status == 200
+        assert client.ask("PUT", f"/api/faces/{own}.jpg", b"<svg/>").json["field"] == "face"
+        assert client.ask("PUT", "/api/faces/default.jpg", drawn).status == 404
+    with studio(folder=tmp_path / "kept") as client:
+        assert client.ask("GET", f"/api/faces/{own}.jpg").body == drawn
+        assert client.ask("GET", "/api/faces").json["faces"][-1]["picture"]

@@ -53,6 +53,7 @@ class Routes:
                 web.get("/api/about", self.about),
                 web.get("/api/faces/{id}.glb", self.face),
                 web.get("/api/faces/{id}.jpg", self.picture),
+                web.put("/api/faces/{id}.jpg", self.keep_picture),
                 web.get("/api/faces/{id}/folds", self.folds),
                 web.post("/api/faces", self.add_face),
                 web.get("/api/faces", self.faces),
@@ -72,6 +73,7 @@ class Routes:
                 web.get("/api/takes/{id}/layer", self.layer),
                 web.put("/api/takes/{id}/layer", self.edit),
                 web.post("/api/takes/{id}/redo", self.redo),
+                web.post("/api/takes/{id}/trial", self.trial),
                 web.post("/api/takes/{id}/export", self.export),
                 web.post("/api/takes/{id}/textgrid", self.textgrid),
                 web.post("/api/ahead", self.ahead),
@@ -117,9 +119,15 @@ class Routes:
         return await packed(request, content, "model/gltf-binary", {"Cache-Control": "no-cache"})
 
     async def picture(self, request: web.Request) -> web.Response:
-        """A small picture of one of mien's faces."""
+        """A small picture of a face."""
         content = await asyncio.to_thread(self.shop.faces.picture, request.match_info["id"])
         return await packed(request, content, "image/jpeg", {"Cache-Control": "no-cache"})
+
+    async def keep_picture(self, request: web.Request) -> web.Response:
+        """Keep the picture that a page has drawn of an uploaded face."""
+        content = await read_bytes(request, self.limits, self.limits.json_bytes)
+        await asyncio.to_thread(self.shop.faces.keep_picture, request.match_info["id"], content)
+        return web.json_response({})
 
     async def folds(self, request: web.Request) -> web.Response:
         """The folds of a face's skin; {} where it has none."""
@@ -252,6 +260,10 @@ class Routes:
             sound = await asyncio.to_thread(read_sound, content, self.shop.folder, self.limits)
             return _accepted(self.shop.start_redo(name, fields, sound))
         return _accepted(self.shop.start_redo(name, await read_json(request, self.limits)))
+
+    async def trial(self, request: web.Request) -> web.Response:
+        """Perform the line with some fields changed, to be heard and seen only: nothing of it is kept."""
+        return _accepted(self.shop.start_trial(request.match_info["id"], await read_json(request, self.limits)))
 
     async def textgrid(self, request: web.Request) -> web.Response:
         """Perform the line with the words and phones of a TextGrid, the body."""

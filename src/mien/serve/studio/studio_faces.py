@@ -31,6 +31,7 @@ from mien.serve.studio.settings import Limits
 __all__ = ["DEFAULT_FACE", "FaceShelf", "ForeignFace"]
 
 DEFAULT_FACE = "default"
+_MOST_PICTURE = 100_000  # bytes
 
 
 @dataclass(frozen=True)
@@ -89,18 +90,33 @@ class FaceShelf:
             return content
 
     def picture(self, name: str) -> bytes:
-        """A small picture of a face of mien's, JPEG; raises `mien.serve.studio.lru_store.Missing`."""
-        if not _has_picture(name):
+        """A small picture of a face, JPEG; raises `mien.serve.studio.lru_store.Missing`."""
+        path = asset(f"faces/pictures/{name}.jpg") if name in known_faces() else self._picture(name)
+        if not path.is_file():
             raise Missing("there is no picture of this face")
-        return asset(f"faces/pictures/{name}.jpg").read_bytes()
+        return path.read_bytes()
+
+    def keep_picture(self, name: str, content: bytes) -> None:
+        """Keep the small picture, JPEG, that a page has drawn of an uploaded face."""
+        if not content.startswith(b"\xff\xd8\xff") or len(content) > _MOST_PICTURE:
+            raise FieldError("face", f"a picture of a face is a JPEG of at most {_MOST_PICTURE // 1000} kB")
+        with replace_when_complete(self._picture(name)) as unfinished:
+            unfinished.write_bytes(content)
+
+    def _picture(self, name: str) -> Path:
+        return self._foreign.get(name).path.with_name("picture.jpg")
 
     def listed(self) -> list[dict[str, Any]]:
         """All of them by id, with their names."""
         shipped = sorted(known_faces(), key=lambda name: (name != DEFAULT_FACE, name))
-        return [{"face": name, "name": name, "own": False, "picture": _has_picture(name)} for name in shipped] + [
-            {"face": face.path.parent.name, "name": face.name, "own": True, "picture": False, "report": face.report}
+        return [
+            {"face": name, "name": name, "own": False, "picture": asset(f"faces/pictures/{name}.jpg").is_file()}
+            for name in shipped
+        ] + [
+            {"face": face.path.parent.name, "name": face.name, "own": True,
+             "picture": face.path.with_name("picture.jpg").is_file(), "report": face.report}
             for face in self._foreign
-        ]
+        ]  # fmt: skip
 
     def add(self, content: bytes, name: str = "") -> tuple[str, ForeignFace]:
         """Keep an uploaded GLB.
@@ -181,10 +197,6 @@ class FaceShelf:
         if not isinstance(name, str) or name not in self._foreign:
             raise FieldError("face", "there is no such face (any more): open the GLB again")
         return self._foreign.get(name).path
-
-
-def _has_picture(name: str) -> bool:
-    return name in known_faces() and asset(f"faces/pictures/{name}.jpg").is_file()
 
 
 def _one_word_each(face: Face) -> Face:

@@ -93,6 +93,7 @@ class Workshop:
         self.performing = Performing(limits, kept / "speech")
         self.perform = self.performing.perform
         self._ahead: tuple[TakeRequest, Job] | None = None
+        self._trying, self._trial = Job(), ""
         self._waking = RLock()
 
     def close(self) -> bool:
@@ -211,6 +212,29 @@ class Workshop:
             return {"take": name}
 
         return self.jobs.start(work)
+
+    def start_trial(self, name: str, changes: dict[str, Any]) -> str:
+        """Queue a take's performance with some fields of its request changed, to be heard and seen only.
+
+        Nothing is kept: the job's take is there until that of the next trial is; a trial that is not done yet gives way.
+        """
+        record = self.journal.get(name)
+        changes = dict(changes)
+        layer = changes.pop("layer", None)
+        edits = record.step.layer if layer is None else checked_layer(layer, self.limits)
+        request = record.step.request.changed(changes, self.limits, with_sound=record.step.sound is not None)
+
+        def work(job: Job) -> dict[str, Any]:
+            made = self.perform(request, self.journal.sound(record.step.sound), job, edits)
+            job.at(job.step)
+            self.takes.drop(self._trial)
+            self._trial = self.takes.put(made, made.size)
+            return {"take": self._trial}
+
+        self._trying.cancel()
+        started = self.jobs.start(work)
+        self._trying = self.jobs.get(started)
+        return started
 
     def _put(self, name: str, take: Take) -> None:
         """A take in the place of the one that had its id."""
