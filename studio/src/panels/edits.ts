@@ -32,6 +32,10 @@ export class EditsPanel {
       return make('li', { class: `edit ${edit.kind}` }, make('div', {}, describe(edit), ...reasons),
         button(`Remove ${describe(edit)}`, () => this.session.commit(without(this.session.layer, place)), { class: 'small' }, icon(ICONS.cross)));
     });
+    if (this.session.request.times) { // no edit of the layer: the line itself is performed with them
+      const told = 'Words and phones as you corrected them';
+      rows.unshift(make('li', { class: 'edit times' }, make('div', {}, told), button(`Remove: ${told}`, () => void this.session.perform({ times: null }), { class: 'small' }, icon(ICONS.cross))));
+    }
     this.list.replaceChildren(...(rows.length > 0 ? rows : [make('li', { class: 'quiet' }, 'No edits yet: drag a border, a point or a key on the timeline.')]));
   }
 

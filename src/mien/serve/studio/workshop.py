@@ -216,7 +216,7 @@ class Workshop:
     def start_trial(self, name: str, changes: dict[str, Any]) -> str:
         """Queue a take's performance with some fields of its request changed, to be heard and seen only.
 
-        Nothing is kept: the job's take is there until that of the next trial is; a trial that is not done yet gives way.
+        Nothing is kept: the job's take is there until that of the next trial is; one that is not done yet gives way.
         """
         record = self.journal.get(name)
         changes = dict(changes)
