@@ -137,12 +137,17 @@ export function pores(): { texture: DataTexture; steepest: number } {
 /** A square tile blurred by a Gaussian, around its edges. */
 function blurred(tile: Float32Array, sigma: number): Float32Array {
   const reach = Math.ceil(3 * sigma);
-  const weights = Array.from({ length: 2 * reach + 1 }, (_, i) => Math.exp(-((i - reach) ** 2) / (2 * sigma * sigma)));
+  const weights = Float32Array.from({ length: 2 * reach + 1 }, (_, i) => Math.exp(-((i - reach) ** 2) / (2 * sigma * sigma)));
   const total = weights.reduce((sum, one) => sum + one, 0);
-  const along = (from: Float32Array, step: (x: number, y: number, by: number) => number): Float32Array => from.map((_, place) => {
-    const [x, y] = [place % TEXELS, Math.floor(place / TEXELS)];
-    return weights.reduce((sum, weight, i) => sum + (weight / total) * (from[step(x, y, i - reach)] as number), 0);
-  });
-  const round = (value: number): number => (value + TEXELS) % TEXELS;
-  return along(along(tile, (x, y, by) => y * TEXELS + round(x + by)), (x, y, by) => round(y + by) * TEXELS + x);
+  /** Along the rows, which become the columns. */
+  const along = (from: Float32Array): Float32Array => {
+    const into = new Float32Array(from.length);
+    for (let y = 0; y < TEXELS; y++) for (let x = 0; x < TEXELS; x++) {
+      let sum = 0;
+      for (let i = 0; i < weights.length; i++) sum += (weights[i] as number) * (from[y * TEXELS + ((x + i - reach + TEXELS) % TEXELS)] as number);
+      into[x * TEXELS + y] = sum / total;
+    }
+    return into;
+  };
+  return along(along(tile));
 }
