@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 from mien.core.channels import ARKIT, TONGUE
 from mien.core.errors import MissingPartError
 from mien.face.model import Eye, Face, Part
+from mien.face.subset import subset
 from mien.formats.face_motion import linear_light
 from mien.formats.gltf import METRES, GlbBuilder
 from mien.formats.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, MeshoptBuffer
-from mien.formats.reduced_meshes import reduced_face, subset
+from mien.formats.reduced_meshes import reduced_face
 
 __all__ = ["CompactBuilder", "check_meshopt"]
 

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.assets import asset
-from mien.face.model import Face, Part, Target
+from mien.face.model import Face, Part
+from mien.face.subset import subset
 
-__all__ = ["REDUCED", "reduced_face", "subset", "topology"]
+__all__ = ["REDUCED", "reduced_face", "topology"]
 
 REDUCED = "faces/reduced_meshes.npz"
 
@@ -36,25 +37,6 @@ def reduced_face(face: Face) -> tuple[Face, dict[str, NDArray[np.intp]]]:
         parts.append(subset(part, order, np.searchsorted(order, triangles)))
         numbers[part.name] = order
     return replace(face, parts=tuple(parts), tree=None, sites={}), numbers
-
-
-def subset(part: Part, order: NDArray[np.intp], triangles: NDArray[np.int64]) -> Part:
-    """The part with these of its vertices in this order, and triangles by their new numbers."""
-    place = np.full(len(part.vertices), -1)
-    place[order] = np.arange(len(order))
-    targets = {}
-    for name, target in part.targets.items():
-        there = place[target.vertices]
-        targets[name] = Target(there[there >= 0].astype(np.int32), target.offsets[there >= 0])
-    return replace(
-        part,
-        vertices=part.vertices[order],
-        triangles=triangles.astype(np.int32),
-        uv=part.uv[order],
-        colours=part.colours[order],
-        head_weight=part.head_weight[order],
-        targets=targets,
-    )
 
 
 @cache

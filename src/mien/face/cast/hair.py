@@ -24,6 +24,11 @@ __all__ = ["hair_parts"]
 _CROWN = np.array([0.0, 98.0, -118.0])
 _EAR_FREE = 0.25
 _RISE = 24.0  # mm of its length in which a strand gets up to its layer
+_FINER = 2  # long hair is grown in so many steps for each that is kept
+_BLUNT = np.array([0.4, 0.6, 0.7, 0.8])  # its first pieces, where it leaves the head, as shares of the others
+_TIP_MM = 4.5  # its last
+_FRINGE_Y = 27.0  # mm over the eyes
+_OFF_BROW = 6.0  # mm that hair may lie outside the hairline at the front
 _CLEAR = 0.9  # mm that strands keep off the skin, whose shadow they would lie in
 
 
@@ -65,7 +70,7 @@ def _grow(
     front: Floats,
 ) -> tuple[Floats, Floats]:
     """Points (k, steps + 1, 3) of strands, and the ground's normals below them."""
-    count, steps = len(length), int(cut["steps"])
+    count, steps = len(length), int(cut["steps"]) * (_FINER if "drop" in cut else 1)
     step = (length / steps)[:, None]
     lift, fall = float(cut["lift"]), float(cut["fall"])
     stray = chance.normal(size=(count, 3)) * (0.10 if tie is None else 0.03)
@@ -128,11 +133,13 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     growth = hair_growth(space.rest, cut) * free
     count = int(cut["count"])
 
+    crown = 0.5 if "drop" in cut else 0.25
+
     def grown(rest: Floats) -> Floats:
         depth = hair_depth(rest, cut)
         edge = smoothstep(-1.0, 2.5, depth + chance.normal(0, 1.4, len(rest)))
         return np.asarray(
-            edge * (0.45 + 0.55 * smoothstep(18.0, 3.0, depth) + 0.25 * smoothstep(40.0, 90.0, rest[:, 1]))
+            edge * (0.45 + 0.55 * smoothstep(18.0, 3.0, depth) + crown * smoothstep(40.0, 90.0, rest[:, 1]))
         )
 
     roots = roots_drawn(ground, growth, count, chance, grown)
@@ -145,7 +152,8 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     length = (low + (high - low) * top) * (0.55 + 0.45 * inside) * chance.uniform(0.82, 1.12, count)
     thin, deep = cut["thick"]
     thick = (thin + (deep - thin) * top) * (0.35 + 0.65 * inside)
-    layer = chance.uniform(size=count) ** (0.7 if "to" not in cut else 0.25)  # what is tied lies flat
+    # What is tied lies flat, and of long hair most lies in the outer layer, which closes.
+    layer = chance.uniform(size=count) ** (0.25 if "to" in cut else 0.45 if "drop" in cut else 0.7)
     part = float(chance.choice([-24.0, 24.0, 4.0]))
     thick = thick * _at_parting(cut, roots.rest, part)
     front = ((roots.rest[:, 2] > -50) & (np.abs(roots.rest[:, 0]) < 56) & (cut["comb"] == "fringe")).astype(float)
@@ -153,11 +161,11 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     if "rows" in cut:
         length, layer = length, layer * 0.5 + 0.5 * np.abs(np.sin(np.pi * cut["rows"] * _turn(roots.rest) / 2)) ** 0.5
     if "drop" in cut:
-        reach = np.maximum(roots.place[:, 1] - float(cut["drop"]), 18) * (1.0 + 0.30 * top)
-        low = np.maximum(74 - roots.rest[:, 1], 0)
-        reach = np.where(front > 0.5, 55.0 - low - np.minimum(roots.rest[:, 2], 12), reach)  # ends above the eyes
-        length = np.minimum(length, reach * chance.uniform(0.93, 1.05, count))
+        reach = np.maximum(roots.place[:, 1] - float(cut["drop"]), 18) * (1.0 + 0.45 * top) + 25
+        length = np.where(front > 0.5, 110.0, reach)
     line, normals = _grow(ground, cut, roots, length, layer, thick, chance, part, tie, front)
+    if "drop" in cut:
+        line, normals = _cut_off(line, normals, _ends(cut, line, layer, front, person, chance), int(cut["steps"]))
     for key in ("curl", "wave"):
         if key in cut:
             radius, pitch = cut[key]
@@ -166,16 +174,52 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     if float(cut["fall"]) >= 0.3:
         width = width * (1 + 0.9 * smoothstep(0.55, 0.1, layer))  # inner strands fill the gaps
     x, y, z = np.moveaxis(line, 2, 0)
-    over = ((np.abs(x) < 60) & (y < 56) & (z > 6)).any(axis=1) & (front < 0.5) & (length > 60)
-    kept = ~over  # no strand hangs into the face
+    over = ((np.abs(x) < 60) & (y < 56) & (z > 6)).any(axis=1)
+    if "drop" in cut:
+        # Nor do single strands hang on the brow or before the ear.
+        outside = ground.depth(line, cut) < -_OFF_BROW
+        over |= (outside & (np.where(y > 20, z + 5, z + 45) > 0)).any(axis=1)
+    kept = ~(over & (front < 0.5) & (length > 60))  # no strand hangs into the face
     pieces = [(line[kept], normals[kept], width[kept], layer[kept])]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
     parts = [
-        strands_part("hair" if n == 0 else "hair_tail", *piece, person, chance, 0.1 if tie is None else 0.06)
+        strands_part(
+            "hair" if n == 0 else "hair_tail", *piece, person, chance, 0.1 if tie is None else 0.06, "drop" in cut
+        )
         for n, piece in enumerate(pieces)
     ]
     return (*parts, _cap(space, face, ground, cut, person, part)) if cut.get("cap", 1) else tuple(parts)
+
+
+def _ends(
+    cut: Mapping[str, Any], line: Floats, layer: Floats, front: Floats, person: Person, chance: np.random.Generator
+) -> Floats:
+    """The height at which each strand is cut: all at one, but for a little; a fringe above the brows."""
+    wave = layered_noise(line[:, -1] * np.array([1.0, 0.0, 1.0]), 22.0, person.seed + 72, layers=2)
+    level = np.where(front > 0.5, _FRINGE_Y, float(cut["drop"]))
+    soft = np.where(front > 0.5, 1.0, 1.6 if float(cut["drop"]) > -150 else 4.0)
+    return np.asarray(level + soft * (1.2 * wave + chance.normal(0, 0.6, len(line)) + 1.5 * (1 - layer)))
+
+
+def _cut_off(line: Floats, normals: Floats, level: Floats, steps: int) -> tuple[Floats, Floats]:
+    """Strands that end at these heights, in so many pieces: short ones at the head and at the tip."""
+    pieces = np.r_[_BLUNT, np.ones(max(steps - 1 - len(_BLUNT), 1))]
+    inner = np.cumsum(pieces) / pieces.sum()
+    new, turned = np.empty((len(line), len(inner) + 2, 3)), np.empty((len(line), len(inner) + 2, 3))
+    for n, (points, upright) in enumerate(zip(line, normals, strict=True)):
+        reach = np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+        below = np.flatnonzero(points[:, 1] < level[n])
+        end = reach[-1]
+        if len(below) and below[0]:
+            b = below[0]
+            share = (points[b - 1, 1] - level[n]) / (points[b - 1, 1] - points[b, 1])
+            end = reach[b - 1] + share * (reach[b] - reach[b - 1])
+        at = np.r_[0, inner * max(end - _TIP_MM, 0.7 * end), end]
+        for k in range(3):
+            new[n, :, k] = np.interp(at, reach, points[:, k])
+            turned[n, :, k] = np.interp(at, reach, upright[:, k])
+    return new, turned
 
 
 def _at_parting(cut: Mapping[str, Any], rest: Floats, part: float) -> Floats:
@@ -244,7 +288,8 @@ def _cap(space: HeadSpace, face: Face, ground: Ground, cut: Mapping[str, Any], p
     lift = full * _at_parting(cut, rest, part) * smoothstep(2.0, 26.0, depth) - 1.6 * smoothstep(6.0, 0.0, depth)
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, place[:, 1])
     dark = np.asarray(strand_colours(person, np.full(1, 0.3), np.random.default_rng(0)))[0]
-    speck = 1 + 0.25 * layered_noise(rest, 5.0, person.seed + 71, layers=2)[:, None]
+    grain = {"side": (0.15, 0.4, 1.0), "fringe": (0.4, 0.4, 0.8), "back": (1.0, 0.4, 0.2)}.get(cut["comb"], (1, 1, 1))
+    speck = 1 + 0.35 * layered_noise(rest * np.array(grain), 4.5, person.seed + 71, layers=2)[:, None]
     keep = (depth[local] > -8).any(axis=1)
     used, local = np.unique(local[keep], return_inverse=True)
     vertices = (place + lift[:, None] * normal)[used]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from mien.face.cast.made_person import Person, looks
 from mien.face.cast.noise import layered_noise, smoothstep
+from mien.face.cast.scalp import hair_depth
 from mien.face.head_space import SKIN, HeadSpace
 from mien.face.model import Face, Material, Part
 from mien.face.surface import vertex_normals
@@ -37,7 +39,13 @@ class Ground:
         self._points = np.vstack([self.skin[outer], cloth])
         self._normals = np.vstack([self.normals[outer], cloth_normals])
         self._tree = cKDTree(self._points)
+        self._skin = cKDTree(self.skin)
         self.middle = np.array([0.0, 20.0, -70.0])
+
+    def depth(self, lines: Floats, cut: Mapping[str, Any]) -> Floats:
+        """How far inside the hair the skin nearest to each point of ``lines`` (k, points, 3) is, mm (k, points)."""
+        _, near = self._skin.query(lines.reshape(-1, 3))
+        return np.asarray(hair_depth(self.space.rest[near], cut).reshape(lines.shape[:2]), dtype=np.float64)
 
     def height(self, points: Floats) -> tuple[Floats, Floats]:
         """Heights over the ground (k,) and its normals there (k, 3): planes of the nearest vertices, blended."""
@@ -88,19 +96,21 @@ def along(direction: Floats, normal: Floats) -> Floats:
 
 
 def _ribbons(
-    line: Floats, normals: Floats, width: Floats, twist: Floats, lane: Indices
+    line: Floats, normals: Floats, width: Floats, twist: Floats, lane: Indices, slant: Floats
 ) -> tuple[Floats, Indices, Floats]:
-    """Vertices, triangles and texture coordinates of ribbons that end in a point."""
+    """Vertices, triangles and texture coordinates of ribbons that end in a point, or, where ``slant``, are cut off."""
     count, points, _ = line.shape
     heading = np.gradient(line, axis=1) if points > 2 else np.repeat(line[:, 1:] - line[:, :1], 2, axis=1)
     across = np.cross(heading, normals)
     across /= np.maximum(np.linalg.norm(across, axis=2, keepdims=True), 1e-6)
     across = across * np.cos(twist)[:, None, None] + normals * np.sin(twist)[:, None, None]
     t = np.arange(points - 1) / (points - 1)
-    half = 0.5 * width[:, None] * ((0.3 + 0.7 * np.minimum(1, 4 * t)) * (1 - t**4))[None]
+    taper = np.where(slant[:, None] != 0, 1 - 0.5 * t**4, 1 - t**4)
+    half = 0.5 * width[:, None] * (0.3 + 0.7 * np.minimum(1, 4 * t)) * taper
     sides = half[..., None] * across[:, :-1]
     body = np.stack([line[:, :-1] - sides, line[:, :-1] + sides], axis=2).reshape(count, -1, 3)
-    vertices = np.concatenate([body, line[:, -1:]], axis=1)
+    tip = line[:, -1] + slant[:, None] * sides[:, -1]
+    vertices = np.concatenate([body, tip[:, None]], axis=1)
     faces = [f for s in range(points - 2) for f in ((2 * s, 2 * s + 1, 2 * s + 2), (2 * s + 1, 2 * s + 3, 2 * s + 2))]
     faces.append((2 * points - 4, 2 * points - 3, 2 * points - 2))
     each = 2 * points - 1
@@ -143,14 +153,18 @@ def strands_part(
     person: Person,
     chance: np.random.Generator,
     twist: float = 0.1,
+    blunt: bool = False,
 ) -> Part:
     """Ribbons along lines (k, points, 3), ``width`` mm wide and turned by about ``twist`` radians, as a part.
+
+    They end in points, or ``blunt``: as if cut off.
 
     ``layer`` (k,) is 0 for the innermost strands, which lie in the shade, and 1 for the outermost.
     """
     count = len(line)
     lane = chance.integers(_LANES, size=count)
-    vertices, triangles, uv = _ribbons(line, normals, width, twist * chance.normal(size=count), lane)
+    slant = chance.choice([-0.8, -0.3, 0.3, 0.8], size=count) if blunt else np.zeros(count)
+    vertices, triangles, uv = _ribbons(line, normals, width, twist * chance.normal(size=count), lane, slant)
     colours = np.repeat(strand_colours(person, layer, chance), len(vertices) // count, axis=0)
     # Hair on the shoulders stays with them when the head turns.
     weight = 0.35 + 0.65 * smoothstep(-190.0, -80.0, vertices[:, 1])

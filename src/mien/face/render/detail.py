@@ -9,14 +9,14 @@ one; open edges and seams of textures stay.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.face.model import Face, Part, Target
+from mien.face.model import Face, Part
 from mien.face.normals import normals_of
 from mien.face.posing import welded_vertices
+from mien.face.subset import nearest_to_middle, subset, without_flat
 
 __all__ = ["Detail", "moves"]
 
@@ -121,7 +121,7 @@ def _ribbons(part: Part, pixel_mm: float) -> _Less | None:
     keep = (size * strands[:, None] + column).reshape(-1)
     fewer = len(column)
     triangles = (_strip(fewer) + fewer * np.arange(len(strands))[:, None, None]).reshape(-1, 3)
-    return _part(part, keep, triangles), keep, times
+    return subset(part, keep, triangles), keep, times
 
 
 def _ribbon_size(part: Part) -> int:
@@ -161,30 +161,5 @@ def _clusters(part: Part, pixel_mm: float) -> _Less | None:
     group = group.reshape(-1)
     if group.max() + 1 > _WORTH * count:
         return None
-    size = np.bincount(group)
-    middle = np.stack([np.bincount(group, part.vertices[:, k]) for k in range(3)], axis=1) / size[:, None]
-    # Of each group the vertex nearest to its middle stands for it.
-    order = np.lexsort((((part.vertices - middle[group]) ** 2).sum(axis=1), group))
-    keep = order[np.concatenate([[0], np.cumsum(size)[:-1]])]
-    corner = group[part.triangles]
-    apart = (corner[:, 0] != corner[:, 1]) & (corner[:, 1] != corner[:, 2]) & (corner[:, 2] != corner[:, 0])
-    return _part(part, keep, corner[apart]), keep, 1.0
-
-
-def _part(part: Part, keep: Indices, triangles: NDArray[Any]) -> Part:
-    """A part of some of its vertices, with triangles between them."""
-    place = np.full(len(part.vertices), -1)
-    place[keep] = np.arange(len(keep))
-    targets = {}
-    for name, target in part.targets.items():
-        there = place[target.vertices]
-        targets[name] = Target(there[there >= 0].astype(np.int32), target.offsets[there >= 0])
-    return replace(
-        part,
-        vertices=part.vertices[keep],
-        triangles=np.ascontiguousarray(triangles, dtype=np.int32),
-        uv=part.uv[keep],
-        colours=part.colours[keep],
-        head_weight=part.head_weight[keep],
-        targets=targets,
-    )
+    keep = nearest_to_middle(part.vertices, group)
+    return subset(part, keep, without_flat(group[part.triangles])), keep, 1.0

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from mien.core.compiled import njit
 
 __all__ = [
+    "INNER",
     "KEY_CELLS",
     "KEY_EDGE_MM",
     "LEAST_THICK_MM",
+    "LIT_THROUGH",
     "SOFT_CELLS",
     "SOFT_CELLS_OFF",
     "THROUGH",
@@ -41,11 +43,14 @@ LEAST_THICK_MM = 4.0  # as thick flesh is at least: what comes through is red
 CHUNK = 256  # vertices that are lit together
 _NX, _NY, _NZ, _PX, _PY, _PZ, _QX, _QY, _QZ, _RED, _GREEN, _BLUE, _KEY, _DOME, _DOME_SEEN, _SCATTER = range(16)
 _OFF, _OFF_SOFT, _STEP, _FACING, _TOTAL, _SEEN, _NEAR, _NEAREST, _THICK, _FU, _FV, _OUT, _THIN, _CELLS = range(16, 30)
-_ROWS = _CELLS + 4
+_SHADED = _CELLS + 4
+_ROWS = _SHADED + 1
 _ZERO, _HALF, _ONE, _SIXTH, _NINTH = (np.float32(each) for each in (0, 0.5, 1, 1 / 6, 1 / 9))
 _LEAST_THICK = np.float32(LEAST_THICK_MM)
 _BLOCK = 8  # cells of a map that are filled together
 _STEEP, _DOME_WRAP, _THROUGH, _RISE = (np.float32(each) for each in (0.25, 0.3, THROUGH, THROUGH_RISE))
+LIT_THROUGH, INNER = 0.8, 0.4  # hair seen edge-on has so much of its light, and from within so much (hand-made)
+_LIT_THROUGH, _INNER, _TWICE = np.float32(LIT_THROUGH), np.float32(INNER), np.float32(2)
 SOFT_CELLS_OFF = 0.5  # further lift against the coarse maps, in their cells, where there is any
 
 
@@ -125,10 +130,13 @@ def _depth_map(vertices, triangles, listed, axes, centre, radius, cells, depth):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def vertex_light(
-    vertices, normals, listed, both_sides, place, scatter, thin, lift, cavity, spacing, axes, colours, wrap, bounce,
+    vertices, normals, listed, lit_side, place, scatter, thin, lift, cavity, spacing, axes, colours, wrap, bounce,
     depth_mm, centre, radius, key_map, soft_maps, begin, end, light, openness,
 ):  # fmt: skip
-    """Light at the ``listed`` vertices from ``begin`` to ``end``; a sheet is lit on the side that ``place`` sees.
+    """Light at the ``listed`` vertices from ``begin`` to ``end``.
+
+    ``lit_side`` (vertices,): 0 the side of the normal; 1 the side that ``place`` sees; 2 the side away from the head,
+    which is less bright from within, as hair.
 
     ``light`` (vertices, 3) receives what a white matt surface would send back, ``openness`` (vertices, 2) the share of
     the key light, and of the dome, that reaches it. ``depth_mm`` (3,) is how deep each colour goes through flesh.
@@ -139,7 +147,7 @@ def vertex_light(
     for first in range(begin, end, CHUNK):
         n = min(CHUNK, end - first)
         _take(
-            listed[first : first + n], n, vertices, normals, both_sides, place, scatter, thin, lift, spacing, centre,
+            listed[first : first + n], n, vertices, normals, lit_side, place, scatter, thin, lift, spacing, centre,
             soft_cell, c,
         )  # fmt: skip
         for k in range(axes.shape[0]):
@@ -166,23 +174,30 @@ def vertex_light(
             # What does not see the dome sees flesh instead, and gets a little red light back from it.
             closed = _ONE - c[_DOME_SEEN * CHUNK + i] / c[_DOME * CHUNK + i]
             left = _ONE - cavity[v] * closed
-            openness[v, 0], openness[v, 1] = left * c[_KEY * CHUNK + i], _ONE - closed
+            shaded = c[_SHADED * CHUNK + i]
+            openness[v, 0], openness[v, 1] = shaded * left * c[_KEY * CHUNK + i], shaded * (_ONE - closed)
+            left *= _INNER + (_ONE - _INNER) * shaded
             for k in range(3):
                 light[v, k] = left * c[(_RED + k) * CHUNK + i] + closed * bounce[k]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _take(listed, n, vertices, normals, both_sides, place, scatter, thin, lift, spacing, centre, soft_cell, c):
+def _take(listed, n, vertices, normals, lit_side, place, scatter, thin, lift, spacing, centre, soft_cell, c):
     """Fill a chunk with what is known of the vertices."""
     for i in range(n):
         v = listed[i]
-        side = _ONE
-        if both_sides[v]:
-            away = _ZERO
+        side, shaded = _ONE, _ONE
+        if lit_side[v]:
+            away, out, far = _ZERO, _ZERO, np.float32(1e-9)
             for k in range(3):
-                away += normals[v, k] * (vertices[v, k] - np.float32(place[k]))
-            if away > _ZERO:
+                from_place = vertices[v, k] - np.float32(place[k])
+                away += normals[v, k] * from_place
+                out += normals[v, k] * (vertices[v, k] - centre[k])
+                far += from_place * from_place
+            if (away > _ZERO) if lit_side[v] == 1 else (out < _ZERO):
                 side = -_ONE
+            if lit_side[v] == 2:
+                shaded = min(max(_LIT_THROUGH - _TWICE * side * away / np.sqrt(far), _ZERO), _ONE)
         for k in range(3):
             c[(_PX + k) * CHUNK + i] = vertices[v, k] - centre[k]
             c[(_NX + k) * CHUNK + i] = side * normals[v, k]
@@ -190,6 +205,7 @@ def _take(listed, n, vertices, normals, both_sides, place, scatter, thin, lift, 
         c[_SCATTER * CHUNK + i], c[_THIN * CHUNK + i], c[_OFF * CHUNK + i] = scatter[v], thin[v], lift[v]
         c[_OFF_SOFT * CHUNK + i] = lift[v] + (soft_cell if lift[v] > _HALF else _ZERO)
         c[_STEP * CHUNK + i] = max(np.float32(KEY_EDGE_MM), np.float32(0.8) * spacing[v])  # finer would be jagged
+        c[_SHADED * CHUNK + i] = shaded
         c[_DOME * CHUNK + i] = c[_DOME_SEEN * CHUNK + i] = np.float32(1e-6)
 
 

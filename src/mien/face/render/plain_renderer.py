@@ -114,8 +114,12 @@ def _seen(points: Array, axes: Array, radius: float, depth: Array) -> Array:
 
 def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -> tuple[Array, Array]:
     scene, lights = renderer.scene, renderer.lighting
-    away = ((renderer.camera.place() - vertices) * normals).sum(axis=1) < 0
-    normals = np.where((scene.both_sides & away)[:, None], -normals, normals)
+    towards = renderer.camera.place() - vertices
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    hair, outwards = scene.lit_side == 2, ((vertices - scene.head_centre) * normals).sum(axis=1)
+    turned = np.where(hair, outwards < 0, (scene.lit_side == 1) & ((towards * normals).sum(axis=1) < 0))
+    normals = np.where(turned[:, None], -normals, normals)
+    shaded = np.where(hair, np.clip(light.LIT_THROUGH + 2 * (towards * normals).sum(axis=1), 0, 1), 1)
     lit, openness = np.zeros_like(vertices), np.zeros((len(vertices), 2))
     dome, dome_seen = np.full(len(vertices), 1e-6), np.full(len(vertices), 1e-6)
     soft_cell = 2 * scene.head_radius / light.SOFT_CELLS
@@ -143,7 +147,9 @@ def _light(renderer: Renderer, vertices: Array, normals: Array, needed: Array) -
     openness[:, 1] = dome_seen / dome
     left = 1 - scene.cavity * (1 - openness[:, 1])
     openness[:, 0] *= left
+    left *= light.INNER + (1 - light.INNER) * shaded
     lit = np.where(needed[:, None], left[:, None] * lit + (1 - openness[:, 1:]) * lights.bounce, 0)
+    openness *= shaded[:, None]
     for _ in range(SPREAD_STEPS):
         lit = _spread(renderer, lit, needed)
     return lit, openness

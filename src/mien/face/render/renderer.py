@@ -246,7 +246,7 @@ class Renderer:
 
         def gather(begin: int, end: int) -> None:
             light.vertex_light(
-                vertices, normals, shown, scene.both_sides, self.camera.place(), scene.scatter, scene.thin, scene.lift,
+                vertices, normals, shown, scene.lit_side, self.camera.place(), scene.scatter, scene.thin, scene.lift,
                 scene.cavity, scene.spacing, self._light_axes, lights.colours, lights.wrap, lights.bounce,
                 lights.reach_mm * np.float32(light.THROUGH_MM), scene.head_centre, scene.head_radius, key_map,
                 soft_maps, begin, end, lit, openness,

@@ -15,6 +15,7 @@ from mien.face.posing import welded_vertices
 from mien.face.render.colour import linear_from_srgb
 from mien.face.render.detail import moves as moves_of
 from mien.face.render.relief import TILE_MM
+from mien.face.subset import nearest_to_middle, without_flat
 
 __all__ = ["LEVELS", "Scene"]
 
@@ -29,6 +30,7 @@ _CASTER_SHARE = 0.02  # of the whole surface; smaller parts (eyeballs, teeth) ca
 _FINE, _COARSE = (2.2, 5.0), (13.0, 24.0)
 _FADE_MM = 28.0
 _IN_MOUTH, _CAVITY = ("teeth", "tongue", "gum"), 0.8
+_HAIR = ("hair", "beard")
 _TRUNK = 0.02  # below this head_weight a vertex is of the trunk, above it of the neck (a collar is no cut)
 _THIN_MM = (2.0, 4.0, 6.0, 8.0)  # depths at which the other side is looked for
 _LIFT_HARD, _LIFT_SKIN, _LIFT_OTHERS = 0.7, 2.2, 0.15  # mm
@@ -62,8 +64,8 @@ class Scene:
         Opacity: 1, falling to 0 where the trunk is cut off.
     lift : ndarray of float32, shape (vertices,)
         How far off its surface a vertex is held against the shadow maps, mm.
-    both_sides : ndarray of bool, shape (vertices,)
-        Whether the vertex belongs to a sheet.
+    lit_side : ndarray of int8, shape (vertices,)
+        0, or of a sheet: 1, lit on the side that is seen; 2, hair, through which light gets, on the outside.
     cavity : ndarray of float32, shape (vertices,)
         Above 0 for teeth and tongue: as far, lips and cheeks leave of every light what they leave open of the dome.
     spacing : ndarray of float32, shape (vertices,)
@@ -105,7 +107,7 @@ class Scene:
     coarse_vertices: Indices
     solid: Floats
     lift: Floats
-    both_sides: NDArray[np.bool_]
+    lit_side: NDArray[np.int8]
     cavity: Floats
     spacing: Floats
     albedo: Floats
@@ -158,7 +160,12 @@ class Scene:
             caster_vertices=caster_vertices,
             coarse_vertices=coarse_vertices,
             lift=np.concatenate([_lift(part, each) for part, each in zip(parts, casts, strict=True)]),
-            both_sides=np.repeat(sheet, [len(part.vertices) for part in parts]),
+            lit_side=np.concatenate(
+                [
+                    np.full(len(p.vertices), each and 1 + p.name.startswith(_HAIR), np.int8)
+                    for p, each in zip(parts, sheet.tolist(), strict=True)
+                ]
+            ),
             solid=np.concatenate([_solid(part, rim) for part, (rim, _) in zip(parts, rims, strict=True)]),
             cavity=np.concatenate(
                 [np.full(len(p.vertices), _CAVITY * p.name.startswith(_IN_MOUTH), np.float32) for p in parts]
@@ -213,16 +220,9 @@ def _coarser(
     used = np.unique(triangles)
     _, group = np.unique(key[used].astype(np.int64), axis=0, return_inverse=True)
     group = group.reshape(-1)
-    total = np.stack([np.bincount(group, vertices[used, k]) for k in range(3)], axis=1)
-    middle = total / np.bincount(group)[:, None]
-    # Of each group the vertex nearest to its middle stands for it.
-    order = np.lexsort((((vertices[used] - middle[group]) ** 2).sum(axis=1), group))
-    first = np.concatenate([[True], np.diff(group[order]) > 0])[: len(order)]
     chosen = np.zeros(len(vertices), dtype=np.int64)
-    chosen[used] = used[order[first]][group]
-    corner = chosen[triangles]
-    apart = (corner[:, 0] != corner[:, 1]) & (corner[:, 1] != corner[:, 2]) & (corner[:, 2] != corner[:, 0])
-    corner = corner[apart]
+    chosen[used] = used[nearest_to_middle(vertices[used], group)][group]
+    corner = without_flat(chosen[triangles])
     turned = np.take_along_axis(corner, (corner.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
     kept, places = np.unique(np.unique(turned, axis=0), return_inverse=True)
     return np.ascontiguousarray(places.reshape(-1, 3), dtype=np.int32), kept.astype(np.int32)
