@@ -73,10 +73,10 @@ FOLDS: dict[str, tuple[list[Line], float, float, dict[str, float]]] = {
         {"cheekSquint{side}": 0.7, "eyeSquint{side}": 0.5},
     ),
     "smile": (
-        [((16.5, -40.0), (24.0, -49.5), (31.0, -58.0), (35.0, -65.5))],
-        2.0,
-        1.0,
-        {"mouthSmile{side}": 1.2, "mouthSharpPull{side}": 1.0},
+        [((15.5, -40.5), (20.5, -47.5), (26.5, -55.5), (32.0, -63.0), (36.5, -70.0), (38.5, -77.0))],
+        1.6,
+        0.6,
+        {"mouthSmile{side}": 1.0, "mouthSharpPull{side}": 0.8},
     ),
     "sneer": (
         [((16.0, -38.0), (22.0, -46.5), (29.0, -56.0))],
