@@ -5,6 +5,7 @@ import pytest
 
 import mien
 from mien.core import channels
+from mien.core.emotions import emotion_table
 from mien.core.timeline import FrameRate
 from mien.motion.performer import Performer
 from mien.pipeline.perform import blend, perform
@@ -100,3 +101,18 @@ def test_neutral_over_finished_motion_is_said_to_change_nothing() -> None:
     laid = mien.express(animation, emotion="neutral")
     assert any("neutral changes nothing" in note.message for note in laid.notes)
     assert np.array_equal(laid.channels.values, animation.channels.values)
+
+
+def test_a_smile_gives_way_to_rounded_lips_and_nothing_else_does() -> None:
+    table = emotion_table()["rounded"]
+    mouth, expression = np.zeros((2, len(channels.ALL))), np.full((2, len(channels.ALL)), 0.5)
+    mouth[1, channels.ALL.index("mouthPucker")] = 0.8
+    spread, rounded = blend(mouth, expression, np.zeros_like(mouth))
+    smile, brow = channels.ALL.index("mouthSmileLeft"), channels.ALL.index("browInnerUp")
+    assert spread[smile] == 0.5
+    assert rounded[smile] == pytest.approx(0.5 * (1 - 0.8 * table["gives_way"]))
+    assert rounded[brow] == 0.5
+    assert table["gives_way"] >= 0.4
+    assert {f"mouth{muscle}{side}" for muscle in ("Smile", "Stretch") for side in ("Left", "Right")} <= set(
+        table["channels"]
+    )
