@@ -44,9 +44,7 @@ def test_a_speaking_mouth_opens_more_than_a_silent_one_by_the_emotions_own_share
     frames, expression = 50, hand_made_expression()
     ones, zeros = np.ones(frames), np.zeros(frames)
     silent, speaking = (
-        expression.perform(
-            Score((EmotionSpan(emotion),)), 1.0, RATE, np.random.default_rng(1), line=Line(ones, speech)
-        )
+        expression.perform(Score((EmotionSpan(emotion),)), 1.0, RATE, np.random.default_rng(1), line=Line(ones, speech))
         for speech in (zeros, ones)
     )
     share = spoken_share()[emotion]
