@@ -179,7 +179,8 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
         # Nor do single strands hang on the brow or before the ear.
         outside = ground.depth(line, cut) < -_OFF_BROW
         over |= (outside & (np.where(y > 20, z + 5, z + 45) > 0)).any(axis=1)
-    kept = ~(over & (front < 0.5) & (length > 60))  # no strand hangs into the face
+    kept = np.flatnonzero(~(over & (front < 0.5) & (length > 60)))  # no strand hangs into the face
+    kept = kept[np.argsort(-layer[kept], kind="stable")]  # the outermost are drawn first: they hide the others
     pieces = [(line[kept], normals[kept], width[kept], layer[kept])]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
@@ -189,7 +190,7 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
         )
         for n, piece in enumerate(pieces)
     ]
-    return (*parts, _cap(space, face, ground, cut, person, part)) if cut.get("cap", 1) else tuple(parts)
+    return (_cap(space, face, ground, cut, person, part), *parts) if cut.get("cap", 1) else tuple(parts)
 
 
 def _ends(
@@ -276,10 +277,9 @@ def _cap(space: HeadSpace, face: Face, ground: Ground, cut: Mapping[str, Any], p
     local = local.reshape(-1, 3)
     rest, place, normal = space.rest[used], ground.skin[used], ground.normals[used]
     ears = space.ears[used]
-    for _ in range(2):
-        local, ends = _split(local, len(rest))
-        rest, place, normal = (np.vstack([f, f[ends].mean(axis=1)]) for f in (rest, place, normal))
-        ears = np.r_[ears, ears[ends].max(axis=1)]
+    local, ends = _split(local, len(rest))
+    rest, place, normal = (np.vstack([f, f[ends].mean(axis=1)]) for f in (rest, place, normal))
+    ears = np.r_[ears, ears[ends].max(axis=1)]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     depth = hair_depth(rest, cut) - 40 * smoothstep(0.0, 0.2, ears)
     thin, deep = cut["thick"]

@@ -30,6 +30,7 @@ _POSES: tuple[dict[str, float], ...] = (
     {"jawOpen": 0.7},
     {"jawOpen": 0.3, "mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0},
 )
+_OFF_NECK = 1.0  # mm that a collar stands off the skin at least
 _ROOM = 2.5  # mm of flesh in front of gums
 _LEFT_OUT = ("hair", "hair_clumps")
 _BROWS = np.array([0.90, 0.88, 0.86])
@@ -142,6 +143,14 @@ def _fitted(space: HeadSpace, shirt: Part, skin: Part) -> Part:
     share = 1 / np.maximum(away, 0.5) ** 2
     share /= share.sum(axis=1, keepdims=True)
     placed = np.einsum("nk,nkc->nc", share, skin.vertices[near] + own[:, None] - space.rest[near])
+
+    def height(points: NDArray[np.float64], ground: NDArray[np.float64]) -> tuple[Floats, Floats]:
+        normal = np.einsum("nk,nkc->nc", share, vertex_normals(ground, space.triangles)[near])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-6)
+        return ((points - np.einsum("nk,nkc->nc", share, ground[near])) * normal).sum(axis=1), normal
+
+    wanted, (low, normal) = height(own, space.rest)[0], height(placed, skin.vertices.astype(np.float64))
+    placed = placed + np.maximum(np.maximum(wanted, _OFF_NECK) - low, 0)[:, None] * normal
     held = smoothstep(24.0, 8.0, away[:, 0])[:, None]
     return replace(shirt, vertices=(shirt.vertices + held * (placed - shirt.vertices)).astype(np.float32))
 
