@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -5,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.core.errors import InputError
-from mien.face.library import known_faces, load_face
+from mien.face.library import check_face, known_faces, load_face
 from mien.face.model import Face
 from mien.face.storage import read_face, write_face
 
@@ -79,3 +80,11 @@ def test_metres_are_not_taken_for_millimetres_of_a_giant(tmp_path: Path) -> None
     giant = replace(face, parts=(replace(skin, vertices=skin.vertices * 1000),))
     with pytest.raises(InputError, match="farther than 327 mm"):
         write_face(giant, tmp_path / "giant.npz")
+
+
+@pytest.mark.parametrize("call", [load_face, check_face])
+def test_a_video_is_no_face(call: Callable[[str], object], tmp_path: Path) -> None:
+    film = tmp_path / "line.mp4"
+    film.write_bytes(b"")
+    with pytest.raises(InputError, match=r"line\.mp4 is no face: .*'mien faces'.*\.glb.*not a \.mp4"):
+        call(str(film))

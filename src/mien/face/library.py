@@ -15,6 +15,10 @@ from mien.face.storage import read_face
 __all__ = ["check_face", "is_named_face", "known_faces", "load_face", "portrait"]
 
 
+_MESHES = (".npz", ".obj", ".glb", ".vrm", ".gltf", ".fbx")
+_BARE = (".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz")  # without shapes
+
+
 def known_faces() -> tuple[str, ...]:
     """Names of the faces that come with mien: the default one, and the cast.
 
@@ -59,8 +63,8 @@ def check_face(name: str) -> None:
 
     if is_blend(name):
         person_called(name)
-    elif not is_named_face(name) and not Path(name).is_file():
-        raise unknown_name("face", name, known_faces())
+    elif not is_named_face(name) and (not Path(name).is_file() or Path(name).suffix.lower() not in _MESHES + _BARE):
+        raise _no_face(name)
 
 
 def portrait(name: str) -> Path | None:
@@ -103,14 +107,25 @@ def load_face(name: str | Path = "default") -> Face:
         from mien.face.foreign.known_face import face_by_channels
 
         return face_by_channels(name)
-    if kind in (".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz"):
+    if kind in _BARE:
         raise InputError(f"{name} is a bare mesh, without shapes: 'mien face fit {name} -o FACE.npz' gives it some")
     if isinstance(name, Path) or str(name).endswith(".npz"):
         return read_face(name)
     if name == "default":
         return default_face()
     if not is_named_face(name):
-        raise unknown_name("face", str(name), known_faces())
+        raise _no_face(name)
     from mien.face.cast.stored import cast_face
 
     return cast_face(name)
+
+
+def _no_face(name: str) -> InputError:
+    kind = Path(name).suffix.lower()
+    if not kind or "/" in kind:
+        return unknown_name("face", name, known_faces())
+    if kind in _MESHES + _BARE:
+        return InputError(f"there is no face file {name}")
+    return InputError(
+        f"{name} is no face: that is a name from 'mien faces' or a file of a mesh ({' '.join(_MESHES)}), not a {kind}"
+    )
