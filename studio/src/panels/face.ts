@@ -70,7 +70,12 @@ export class FacePanel {
     this.stage.portrait(canvas, undefined);
     this.pictures.set(id, canvas);
     placeholder.replaceWith(canvas);
-    canvas.toBlob((drawn) => { if (drawn !== null) void api.keepPicture(id, drawn).catch(() => undefined); }, 'image/jpeg', 0.85); // for the next time
+    const solid = make('canvas', { width: canvas.width, height: canvas.height }); // a JPEG has no transparency
+    const context = solid.getContext('2d') as CanvasRenderingContext2D;
+    context.fillStyle = '#34373d';
+    context.fillRect(0, 0, solid.width, solid.height);
+    context.drawImage(canvas, 0, 0);
+    solid.toBlob((drawn) => { if (drawn !== null) void api.keepPicture(id, drawn).catch(() => undefined); }, 'image/jpeg', 0.85); // for the next time
   }
 
   async upload(file: File | undefined): Promise<void> {

@@ -12,7 +12,7 @@ import * as api from '../api';
 const EXAMPLE = 'I never said that. Maybe five people heard my voice!';
 const AHEAD_MS = 400; // after the last key
 const ENDED_MS = 50; // after a mark that ends a sentence
-const DROP = 'or drop a sound file anywhere';
+const DROP = 'or drop one';
 const FIELDS = ['text', 'sound', 'emotion', 'voice', 'language', 'performer', 'speech_model', 'effort', 'prosody', 'voice_emotion', 'seed', 'fps'];
 const MODELS: Record<string, string> = {
   '': 'as the performer has it', coarticulation: 'learned curves alone', graph: 'recorded motion, pieced together', both: 'curves with recorded motion on top',
@@ -120,7 +120,7 @@ export class LinePanel {
     const there = this.recording !== undefined || this.recorded;
     const grid = this.grid === undefined ? '' : ` and ${this.grid.name}`;
     this.fileName.textContent = `${this.recording?.name ?? (this.recorded ? 'the recording of this take' : DROP)}${grid}`;
-    this.fileName.title = this.fileName.textContent;
+    this.fileName.title = there ? this.fileName.textContent : 'A sound file, dropped anywhere on the page';
     this.noSound.hidden = !there;
     this.text.input.placeholder = there ? 'What is said in the recording? Empty: it is recognised.' : 'What shall be said?';
     this.voice.disabled = there;

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from mien.core.errors import InputError
+from mien.core.errors import InputError, Note
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import Utterance
 from mien.serve.studio.field_error import FieldError
@@ -86,7 +86,9 @@ def as_corrected(utterance: Utterance, times: GivenTimes) -> Utterance:
         given = spoken_as_given(utterance.audio, tiers, language=language)
     except InputError as problem:
         raise FieldError("times", str(problem)) from problem
-    return replace(given, text=utterance.text, language=utterance.language, notes=(*utterance.notes, *given.notes))
+    told = Note("note", "words and phones are as they were given, not as they were found")
+    notes = (*utterance.notes, told, *(note for note in given.notes if note.kind != "note"))
+    return replace(given, text=utterance.text, language=utterance.language, notes=notes)
 
 
 def times_of_tiers(utterance: Utterance, tiers: Sequence[Tier], language: str | None) -> dict[str, Any]:
