@@ -103,7 +103,7 @@ export class FacePanel {
     const all = meshes.reduce((sum, mesh) => sum + Object.keys(mesh.driven).length + mesh.unknown.length, 0);
     const parts = { head: 'head', eyeLeft: 'left eye', eyeRight: 'right eye' };
     const missing = Object.entries(parts).filter(([part]) => !(part in nodes)).map(([, told]) => told);
-    const rows = meshes.filter((mesh) => mesh.unknown.length > 0).map(({ mesh, unknown }) => make('li', {}, `${mesh}: not known, they rest: ${unknown.join(', ')}`));
+    const rows = meshes.filter((mesh) => mesh.unknown.length > 0).map(({ mesh, unknown }) => make('li', { title: unknown.join(', ') }, `${mesh}: not known, they rest: ${unknown.slice(0, 8).join(', ')}${unknown.length > 8 ? ` and ${unknown.length - 8} more` : ''}`));
     this.report.replaceChildren(make('h3', {}, name), make('p', { class: 'verdict' }, `${verdict.charAt(0).toUpperCase()}${verdict.slice(1)}.`), make('p', { class: 'quiet' }, `${driven} of ${all} targets move; ${missing.length === 0 ? 'head and eyes turn' : `no node for ${missing.join(', ')}: still`}.`), make('ul', {}, ...rows));
   }
 }

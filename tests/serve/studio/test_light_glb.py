@@ -39,6 +39,11 @@ def test_targets_move_as_far_with_half_the_bytes() -> None:
     before, after = moved(whole, "face", 0, 20), moved(light, "face", 0, 20)
     assert np.abs(before).max() > 1e-3
     assert np.abs(after - before).max() < 2e-5, "metres"
-    told = document(light)[0]
+    (old, old_data), (told, data) = document(whole), document(light)
+    places = [one["accessors"][one["meshes"][0]["primitives"][0]["attributes"]["POSITION"]] for one in (old, told)]
+    exact = np.frombuffer(old_data, "<f4", 30, old["bufferViews"][places[0]["bufferView"]].get("byteOffset", 0))
+    first = told["bufferViews"][places[1]["bufferView"]]
+    steps = np.frombuffer(data, "<i2", 40, first["byteOffset"]).reshape(-1, first["byteStride"] // 2)[:, :3]
+    assert np.abs(steps.ravel() / 32767 - exact).max() < 2e-5, "metres"
     assert told["extensionsRequired"] == ["KHR_mesh_quantization"]
     assert all(one["byteOffset"] % 4 == 0 for one in told["bufferViews"])

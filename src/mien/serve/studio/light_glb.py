@@ -1,7 +1,7 @@
 """A GLB with fewer bytes for a page: whole numbers of 8 and 16 bits where a screen shows no difference.
 
-Offsets of morph targets go in steps of 1/32767 (0.03 mm of a face in metres), normals in steps of 1/127, as the glTF
-extension KHR_mesh_quantization has it; what of it compresses, the transport compresses.
+Places and offsets of morph targets go in steps of 1/32767 (0.03 mm of a face in metres), normals in steps of 1/127, as
+the glTF extension KHR_mesh_quantization has it; what of it compresses, the transport compresses.
 """
 
 from __future__ import annotations
@@ -52,10 +52,7 @@ class _Light:
                 primitive["attributes"] = {
                     name: self._accessor(number, name) for name, number in primitive["attributes"].items()
                 }
-                primitive["targets"] = [
-                    {name: self._accessor(number, f"target {name}") for name, number in target.items()}
-                    for target in primitive.get("targets", ())
-                ]
+                primitive["targets"] = [self._target(target) for target in primitive.get("targets", ())]
         for skin in document.get("skins", ()):
             skin["inverseBindMatrices"] = self._accessor(skin["inverseBindMatrices"], "matrix")
         document |= {
@@ -93,7 +90,7 @@ class _Light:
     def _accessor(self, number: int, use: str) -> int:
         if (number, use) not in self.known:
             old = self.old["accessors"][number]
-            self.known[number, use] = self._target(old, use) if use.startswith("target ") else self._dense(old, use)
+            self.known[number, use] = self._dense(old, use)
         return self.known[number, use]
 
     def _dense(self, old: dict[str, Any], use: str) -> int:
@@ -102,6 +99,9 @@ class _Light:
         new = {name: value for name, value in old.items() if name not in ("bufferView", "byteOffset")}
         if use == "index" and count and int(values.max()) < 2**16:
             values = values.astype("<u2")
+        elif use == "POSITION" and np.abs(values).max(initial=0) <= 1:
+            values, new["normalized"] = _steps(values, np.int16), True
+            new |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
         elif use == "NORMAL":
             values, new["normalized"] = _steps(values, np.int8), True
         elif use in ("WEIGHTS_0", "COLOR_0") and values.dtype.kind == "f":
@@ -120,32 +120,36 @@ class _Light:
         self.accessors.append(new)
         return len(self.accessors) - 1
 
-    def _target(self, old: dict[str, Any], use: str) -> int:
-        count, values = old["count"], np.zeros((old["count"], 3), np.float64)
+    def _target(self, target: dict[str, int]) -> dict[str, int]:
+        """A morph target: its vertices are named once for places and normals, which move nearly the same ones."""
+        steps = {name: self._moves(self.old["accessors"][number], name) for name, number in target.items()}
+        moved = np.flatnonzero(np.any([values.any(axis=1) for values in steps.values()], axis=0))
+        kind = "<u2" if all(len(values) < 2**16 for values in steps.values()) else "<u4"
+        indices = {} if not len(moved) else {
+            "bufferView": self._view(moved.astype(kind).tobytes()), "componentType": _CODES[np.dtype(kind)],
+        }  # fmt: skip
+        made = {}
+        for name, values in steps.items():
+            new: dict[str, Any] = {
+                "componentType": _CODES[values.dtype], "normalized": True, "count": len(values), "type": "VEC3",
+                "min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist(),
+            }  # fmt: skip
+            if indices:
+                told = {"bufferView": self._view(values[moved].tobytes())}
+                new["sparse"] = {"count": len(moved), "indices": indices, "values": told}
+            self.accessors.append(new)
+            made[name] = len(self.accessors) - 1
+        return made
+
+    def _moves(self, old: dict[str, Any], name: str) -> NDArray[Any]:
+        values = np.zeros((old["count"], 3), np.float64)
         if "bufferView" in old:
-            values[:] = self._array(old, count, 3)
+            values[:] = self._array(old, old["count"], 3)
         if "sparse" in old:
             sparse = old["sparse"]
             places = self._array(sparse["indices"], sparse["count"], 1).ravel()
             values[places] = self._array({"componentType": 5126, **sparse["values"]}, sparse["count"], 3)
-        steps = _steps(values, np.int16 if use.endswith("POSITION") else np.int8)
-        moved = np.flatnonzero(steps.any(axis=1))
-        new: dict[str, Any] = {
-            "componentType": _CODES[steps.dtype], "normalized": True, "count": count, "type": "VEC3",
-            "min": steps.min(axis=0).tolist(), "max": steps.max(axis=0).tolist(),
-        }  # fmt: skip
-        if len(moved):
-            kind = "<u2" if count < 2**16 else "<u4"
-            new["sparse"] = {
-                "count": len(moved),
-                "indices": {
-                    "bufferView": self._view(moved.astype(kind).tobytes()),
-                    "componentType": _CODES[np.dtype(kind)],
-                },
-                "values": {"bufferView": self._view(steps[moved].tobytes())},
-            }
-        self.accessors.append(new)
-        return len(self.accessors) - 1
+        return _steps(values, np.int16 if name == "POSITION" else np.int8)
 
 
 def _steps(values: NDArray[Any], kind: type[np.signedinteger[Any]]) -> NDArray[Any]:

@@ -72,7 +72,7 @@ class FaceShelf:
 
     def own_glb(self, name: str) -> bytes:
         """A face of mien's at rest, every channel that it has as a morph target of that name; made once and kept."""
-        kept = self._folder.parent / "shipped" / f"{name}-{version('mien')}-{_digest(name)}.glb"
+        kept = self._folder.parent / "shipped" / f"{name}-{version('mien')}-{_digest(name)}-light2.glb"
         with self._lock:
             lock = self._locks[name]
         with lock:
@@ -220,12 +220,13 @@ def _checked_report(path: Path) -> dict[str, Any]:
 def inspected(path: Path) -> dict[str, Any]:
     """What of a GLB's morph targets and nodes can be driven: by mesh, target and channel."""
     from mien.face.foreign.foreign_report import inspect_face
+    from mien.face.foreign.recognition import EMPTY
 
     report = inspect_face(path)
     meshes: list[dict[str, Any]] = []
     for mesh in report.meshes:
         driven = {target.name: target.driven_by for target in mesh.driven}
-        unknown = [target.name for target in mesh.targets if not target.driven_by]
+        unknown = [target.name for target in mesh.targets if not target.driven_by and target.still != EMPTY]
         meshes.append({"mesh": mesh.name, "driven": driven, "unknown": unknown, **asdict(mesh)})
     told = report.as_dict() | {"meshes": meshes, "verdict": report.verdict()}
     del told["path"]
