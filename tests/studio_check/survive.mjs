@@ -29,7 +29,7 @@ const kill = () => new Promise((resolve) => { server.removeAllListeners('exit');
 await open('first');
 const browser = await chromium.launch({ executablePath, args: ARGUMENTS });
 try {
-  const context = await browser.newContext({ viewport: { width: 1100, height: 700 }, colorScheme: 'light' });
+  const context = await browser.newContext({ viewport: { width: 1100, height: 700 }, deviceScaleFactor: 0.5, colorScheme: 'light' });
   const page = await context.newPage();
   page.setDefaultTimeout(90_000);
   page.on('pageerror', (error) => seen.complaints.push(String(error)));

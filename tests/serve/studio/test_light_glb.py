@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 
 import numpy as np
@@ -36,6 +37,7 @@ def test_targets_move_as_far_with_half_the_bytes() -> None:
     whole = _resting_glb("default")
     light = light_glb(whole)
     assert len(light) < 0.6 * len(whole)
+    assert len(gzip.compress(light, 6)) < 3_700_000, "with 0.3 MB of page a first visit is to take less than 4 MB"
     before, after = moved(whole, "face", 0, 20), moved(light, "face", 0, 20)
     assert np.abs(before).max() > 1e-3
     assert np.abs(after - before).max() < 2e-5, "metres"
