@@ -6,9 +6,9 @@
 Writes src/mien/assets/performers/default.mien, the same bytes each time. The recordings are CC BY 4.0 (NOTICE):
 the learned model may ship, the recordings may not.
 
-One camera sees a mouth grow narrow and hardly sees it protrude, and this speaker rounds his lips little. How far round
-phones are rounded is therefore taken from the performer `mandarin`, whose lips a studio recorded, where that is more
-(`mien.motion.mouth.rounding`). On GRID that costs width r .01 and brings the spread of the width from .92 to 1.04.
+One camera sees a mouth grow narrow and hardly sees it protrude, and this speaker rounds his lips little. Round phones
+are therefore taken some of the way (`mien.motion.mouth.rounding.SHARE`) to those of the performer `mandarin`, whose lips
+a studio recorded, where those are rounder.
 """
 
 from __future__ import annotations

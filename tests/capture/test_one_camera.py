@@ -1,4 +1,4 @@
-"""Speech by one camera: the same lips over a jaw that is less open than a tracker's chin says."""
+"""Speech by one camera: lips tell how far the jaw is open, and round lips part by a funnel."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mien.capture import capture_take, fit_person
 from mien.capture.layouts import load_layout
 from mien.capture.one_camera import believed, reported_depth
 from mien.capture.person import Person
-from mien.core.tracks import ChannelTrack
+from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.face.library import load_face
 from mien.metrics.face_track import shown_landmarks
 from tests.capture.performed import markers_of, weights_of
@@ -28,14 +28,35 @@ def opening(track: ChannelTrack) -> np.ndarray:
     return shown.positions[:, upper, 1] - shown.positions[:, lower, 1]
 
 
-def test_the_lips_do_what_the_jaw_does_not(person: Person) -> None:
-    markers = markers_of(weights_of(jawOpen=0.3), noise=0.1)
-    seen, spoken = (capture_take(markers, LAYOUT, head=person, spoken=s).channels for s in (False, True))
-    jaws = [track.channel("jawOpen").max() for track in (seen, spoken)]
-    assert jaws[1] < 0.65 * jaws[0]
-    assert spoken.channel("mouthLowerDownLeft").max() > 0.4
-    assert np.abs(opening(seen) - opening(spoken)).max() < 1.5
-    assert np.corrcoef(opening(seen), opening(spoken))[0, 1] > 0.99
+PARTED = {f"{lip}{side}": 0.6 for lip in ("mouthUpperUp", "mouthLowerDown") for side in ("Left", "Right")}
+
+
+def spoken(person: Person, **weights: float) -> tuple[MarkerTrack, ChannelTrack]:
+    markers = markers_of(weights_of(**weights), noise=0.1)
+    return markers, capture_take(markers, LAYOUT, head=person, spoken=True).channels
+
+
+def test_open_lips_have_an_open_jaw(person: Person) -> None:
+    _, found = spoken(person, jawOpen=0.3)
+    assert found.channel("jawOpen").max() == pytest.approx(0.3, rel=0.15)
+    assert found.channel("mouthLowerDownLeft").max() < 0.3
+
+
+def test_lips_that_part_over_shut_teeth_leave_the_jaw_shut(person: Person) -> None:
+    markers, found = spoken(person, jawOpen=0.03, **PARTED)
+    seen = capture_take(markers, LAYOUT, head=person).channels
+    assert found.channel("jawOpen").max() < 0.1
+    assert found.channel("mouthLowerDownLeft").max() > 0.4
+    assert np.corrcoef(opening(seen), opening(found))[0, 1] > 0.99
+    assert np.abs(opening(seen) - opening(found)).max() < 1.5
+
+
+def test_a_jaw_is_never_more_open_than_reported(person: Person) -> None:
+    weights = np.random.default_rng(1).uniform(0, 0.5, (50, len(person.channels)))
+    jaw, close = believed(person, weights)
+    assert (jaw <= weights[:, person.channels.index("jawOpen")]).all()
+    assert (close <= jaw).all()
+    assert (close >= 0).all()
 
 
 def test_a_mouth_that_is_wide_open_keeps_its_jaw(person: Person) -> None:
@@ -44,12 +65,12 @@ def test_a_mouth_that_is_wide_open_keeps_its_jaw(person: Person) -> None:
     assert jaws[1] > 0.75 * jaws[0]
 
 
-def test_believed_jaws_grow_with_those_reported() -> None:
-    jaw = np.linspace(0, 1, 101)
-    found, close = believed(jaw, np.zeros_like(jaw))
-    assert (np.diff(found) > 0).all()
-    assert (found <= jaw).all()
-    assert not close.any()
+def test_round_lips_part_by_a_funnel(person: Person) -> None:
+    markers, found = spoken(person, jawOpen=0.15, mouthPucker=0.45)
+    seen = capture_take(markers, LAYOUT, head=person).channels
+    assert found.channel("mouthFunnel").max() > 0.1
+    assert found.channel("jawOpen").max() < 0.12
+    assert np.abs(opening(seen) - opening(found)).max() < 1.0
 
 
 def test_what_optical_markers_show_is_believed() -> None:

@@ -73,6 +73,14 @@ class Opening:
 
 
 @dataclass(frozen=True)
+class Jaw:
+    """What lips tell of a jaw: ``lower`` of the lower lip's lowering less ``upper`` of the upper one's raising."""
+
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
 class Knowledge:
     """All of the table. ``rare``: by how much some channels cost more than others."""
 
@@ -83,6 +91,7 @@ class Knowledge:
     rare: dict[str, float]
     most_of_both: float
     openings: tuple[Opening, ...]
+    jaw: Jaw
 
     def regions_at(self, places: Floats) -> NDArray[np.int64]:
         """The region of each place (markers, 3) on the default face; -1 where there is none."""
@@ -132,6 +141,7 @@ def knowledge() -> Knowledge:
             )
             for o in table["opening"]
         ),
+        jaw=Jaw(float(table["jaw"]["lower"]), float(table["jaw"]["upper"])),
     )
 
 

@@ -1,17 +1,22 @@
 """Speech that one camera saw: how far the jaw opens behind the lips, and how far the lips come forward.
 
 A tracker infers much of a chin from the lips: of GRID it reports 5 mm of lowering at an /s/, where the speaker's teeth
-all but meet, and behind shut lips. A chin that follows the lips whatever the jaw does is no evidence of a jaw. What
-was solved with it is therefore taken as an upper bound, of which a part is believed (`believed`), and the lips are
-solved again without the chin: what the jaw no longer gives, the lips give, as in people, who bare their lower teeth at
-/s/ and /iy/. Where the tracker reports the lips' depth at all (`reported_depth`), that has a say too: a jaw turns the
+all but meet, and behind shut lips. A chin that follows the lips whatever the jaw does is no evidence of a jaw. The lips
+are: a jaw lowers the lower one alone, as at /a/, while the muscles that part lips over shut teeth, as at /s/ and /i/,
+raise the upper one too. How much of the lower lip's way is the jaw's was learned from the curves of a production rig
+(`[jaw]` of ``assets/capture/solver.toml``). The lips are then solved again without the chin below such a jaw
+(`believed`). Where the tracker reports the lips' depth at all (`reported_depth`), that has a say too: a jaw turns the
 lower lip back as it lowers it, muscles of the lips do not.
+
+Seen from the front, round lips that part are narrow lips over an open jaw. A part of such an opening is taken for a
+funnel (`rounded_lips`, hand-made), so that lips come forward and round.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fnmatch import fnmatchcase
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,34 +31,54 @@ __all__ = ["believed", "fit_speaker", "reported_depth", "solve_spoken"]
 
 Floats = NDArray[np.float64]
 
-_BEHIND = 0.25
-"""Hand-made: how much of a jaw that is open behind shut lips is believed."""
-_LIPS, _FIRST = 0.22, 0.55
-"""Hand-made: how much of jawOpen the lips do instead at most, and their share of the first of it."""
-_ROUND = 0.5
-"""Hand-made: mouthPucker at which the lips do nothing of the jaw's: round lips do not bare the lower teeth."""
+_JAW = ("jawOpen", "mouthClose")
+_FUNNEL, _FROM, _PARTS = 2.5, 0.1, 0.75
+"""Hand-made: mouthFunnel of lips for one of mouthPucker from where on, and its share at most of what a jaw opens."""
 _DEEP = 0.15
 """Share of the lips' motion in depth from which it has a say, and how much it then counts beside height."""
 _DEPTH_COUNTS = 0.5
 _FRAMES = 800
 
 
-def believed(jaw: Floats, close: Floats, pucker: Floats | float = 0.0) -> tuple[Floats, Floats]:
+def believed(person: Person, weights: Floats) -> tuple[Floats, Floats]:
     """How far jawOpen and mouthClose are believed that were solved from a tracker's lips and chin.
 
-    Of equal parts of the two, which hardly move the lips, `_BEHIND` stays; of the rest of the jaw the lips do much of
-    the first and little of the last: a mouth that is wide open has an open jaw. Round lips do less of it.
+    Parameters
+    ----------
+    person : Person
+        Whose lips, jawOpen and mouthClose are known.
+    weights : ndarray, shape (frames, channels)
+        As solved with the chin.
 
-    Examples
-    --------
-    >>> jaw, close = believed(np.array([0.28, 0.35, 0.8]), np.array([0.11, 0.06, 0.0]))
-    >>> jaw.round(2).tolist(), close.round(2).tolist()
-    ([0.1, 0.16, 0.59], [0.03, 0.02, 0.0])
+    Returns
+    -------
+    jaw, close : ndarray, shape (frames,)
+        jawOpen as far as the lips speak for it, never more than solved; mouthClose at most: what lips that are apart by
+        less than such a jaw gives may have of it.
     """
-    taken = np.minimum((1 - _BEHIND) * close, jaw)
-    left = jaw - taken
-    lips = _LIPS * np.tanh(_FIRST * left / _LIPS) * (1 - np.clip(np.asarray(pucker) / _ROUND, 0.0, 1.0))
-    return left - lips, close - taken
+    lips, known = next(seen for seen in person.openings if seen.opening.name == "mouth"), knowledge().jaw
+    counted = [not fnmatchcase(name, "*Smile*") and not fnmatchcase(name, "noseSneer*") for name in person.channels]
+    height = person.basis[:, :, lips.opening.axis] * np.array(counted)[:, None]
+    raising, lowering = (height @ np.maximum(lips.rows, 0.0), height @ np.minimum(lips.rows, 0.0))
+    raised, lowered = (np.einsum("tc,c->t", weights, way) for way in (raising, lowering))
+    jaw = person.channels.index("jawOpen")
+    opened = known.lower * lowered - known.upper * np.maximum(raised, 0.0)
+    opened = np.clip(opened / lowering[jaw], 0.0, weights[:, jaw])
+    return opened, np.clip(opened - (raised + lowered) / lowering[jaw], 0.0, opened)
+
+
+def rounded_lips(person: Person, weights: Floats, opened: Floats) -> tuple[Floats, Floats]:
+    """How far jawOpen and mouthFunnel are believed of round lips: seen from the front, both open them alike.
+
+    Of what pucker and jaw were solved to do together, lips that come forward and part do some: mouthFunnel as far as
+    mouthPucker, for which the jaw opens less.
+    """
+    pucker, funnel, jaw = (person.channels.index(name) for name in ("mouthPucker", "mouthFunnel", "jawOpen"))
+    lips = next(seen for seen in person.openings if seen.opening.name == "mouth")
+    parts = person.basis[:, :, lips.opening.axis] @ lips.rows
+    gap = np.clip(weights @ parts, 0.0, opened * parts[jaw])
+    found = np.minimum(_FUNNEL * np.maximum(weights[:, pucker] - _FROM, 0.0), _PARTS * gap / parts[funnel])
+    return opened - found * parts[funnel] / parts[jaw], np.minimum(found + weights[:, funnel], 1.0)
 
 
 def reported_depth(person: Person, tracks: Sequence[MarkerTrack]) -> float:
@@ -79,16 +104,29 @@ def fit_speaker(tracks: Sequence[MarkerTrack], layout: Layout | str, source: str
 def solve_spoken(person: Person, positions: Floats, fps: float, priors: Priors | None = None) -> Solved:
     """As `Solver.solve`, of a person in speech whom a tracker saw."""
     first = Solver(person, priors).solve(positions, fps)
-    if not {"jawOpen", "mouthClose"} <= set(person.channels):
+    if not set(_JAW) <= set(person.channels) or not any(seen.opening.name == "mouth" for seen in person.openings):
         return first
-    jaw, close = (person.channels.index(name) for name in ("jawOpen", "mouthClose"))
-    most = np.ones_like(first.weights)
-    pucker = first.weights[:, person.channels.index("mouthPucker")] if "mouthPucker" in person.channels else 0.0
-    opened, most[:, close] = believed(first.weights[:, jaw], first.weights[:, close], pucker)
-    most[:, jaw] = np.maximum(opened - most[:, close], 0.0)  # the solver's mouthClose opens the jaw too
+    opened, shut = believed(person, first.weights)
+    done = {"jawOpen": opened}
+    if {"mouthPucker", "mouthFunnel"} <= set(person.channels):
+        done["jawOpen"], done["mouthFunnel"] = rounded_lips(person, first.weights, opened)
+        shut = np.minimum(shut, done["jawOpen"])
     chin = [region.name for region in knowledge().regions].index("chin")
     source = source_named(person.source)
     if person.depth > _DEEP:
         source = replace(source, gain=(*source.gain[:2], 1.0), weight=(*source.weight[:2], _DEPTH_COUNTS))
-    bare = replace(person, region=np.where(person.region == chin, -1, person.region))
-    return Solver(bare, priors, source).solve(positions, fps, most)
+    rest = [number for number, name in enumerate(person.channels) if name not in done]
+    others = [number for number in range(len(person.channels)) if number not in rest]
+    bare = replace(
+        person,
+        region=np.where(person.region == chin, -1, person.region),
+        channels=tuple(person.channels[number] for number in rest),
+        basis=person.basis[rest],
+    )
+    weights, most = np.zeros_like(first.weights), np.ones((len(opened), len(rest)))
+    weights[:, others] = np.stack([done[person.channels[number]] for number in others], axis=1)
+    most[:, bare.channels.index("mouthClose")] = shut
+    taken = np.einsum("tc,cmk->tmk", weights[:, others], person.basis[others])
+    found = Solver(bare, priors, source).solve(positions, fps, most, taken)
+    weights[:, rest] = found.weights
+    return Solved(weights, found.missed)

@@ -88,7 +88,8 @@ class Solver:
         source, known = source or source_named(person.source), knowledge()
         self._channels = person.channels
         index = {name: number for number, name in enumerate(self._channels)}
-        basis = person.basis * np.array(source.gain)
+        self._gain = np.array(source.gain)
+        basis = person.basis * self._gain
         # lips shut over an open jaw need the jaw: the column "mouthClose" stands for both together
         self._shut_jaw = (index["jawOpen"], index["mouthClose"]) if {"jawOpen", "mouthClose"} <= set(index) else None
         seen = person.basis.copy()
@@ -126,16 +127,25 @@ class Solver:
             for j, o in enumerate(person.openings)
         ]
 
-    def solve(self, positions: Floats, fps: float, most: Floats | None = None) -> Solved:
+    def solve(self, positions: Floats, fps: float, most: Floats | None = None, taken: Floats | None = None) -> Solved:
         """Weights for every frame of ``positions`` (frames, markers, 3), of ``person.markers``, mm as recorded.
 
-        ``most``: bounds (frames, channels); jawOpen's is of what it does beyond mouthClose.
+        ``most``: bounds (frames, channels). ``taken``: motion (frames, markers, 3) of the face, mm, that something else
+        than these channels does.
         """
         person, priors = self.person, self.priors
         placed = positions @ person.turn.T
         asked = placed - person.neutral @ person.turn.T
+        if taken is not None:
+            asked = asked - taken * self._gain
         goal = np.einsum("tm,km->tk", asked.reshape(len(asked), -1), self._weighed)
         open_goal, open_weight = self._opening_goals(placed)
+        if taken is not None:
+            open_goal -= (
+                np.array([taken[:, :, o.opening.axis] @ o.rows for o in person.openings])
+                .reshape(len(person.openings), -1)
+                .T
+            )
         weights = np.zeros_like(goal)
         upper = np.ones_like(goal) if most is None else most
         steady = held = np.full_like(goal, priors.steady * (fps / 30.0) ** 2)

@@ -65,7 +65,7 @@ class SpeechMotionSettings:
     correction : CorrectionSettings
     """
 
-    components: int = 8
+    components: int = 12
     correction_share: float = 0.65
     hold_closures: bool = True
     as_recorded: bool = True
