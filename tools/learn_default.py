@@ -7,8 +7,8 @@ Writes src/mien/assets/performers/default.mien, the same bytes each time. The re
 the learned model may ship, the recordings may not.
 
 One camera sees a mouth grow narrow and hardly sees it protrude, and this speaker rounds his lips little. Round phones
-are therefore taken some of the way (`mien.motion.mouth.rounding.SHARE`) to those of the performer `mandarin`, whose lips
-a studio recorded, where those are rounder.
+are therefore taken some of the way (`mien.motion.mouth.rounding`) to those of the performer `mandarin`, whose lips a
+studio recorded, where those are rounder.
 """
 
 from __future__ import annotations
