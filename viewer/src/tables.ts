@@ -1174,6 +1174,27 @@ export const NODES: Readonly<Record<string, readonly string[]>> = {
   "eyerjnt",
   "reyejnt"
  ],
+ "neck": [
+  "neck",
+  "jbipcneck",
+  "mixamorigneck",
+  "neck01",
+  "neck1",
+  "neckx",
+  "bip01neck",
+  "bip001neck",
+  "ccbasenecktwist01",
+  "necktwist01",
+  "necklower",
+  "neckjnt",
+  "jntneck",
+  "defneck",
+  "orgneck",
+  "neckjoint",
+  "cneckjnt",
+  "bneck",
+  "首"
+ ],
  "jaw": [
   "jaw",
   "jbipcjaw",
