@@ -15,19 +15,23 @@ import argparse
 import ast
 import os
 import random
-import resource
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache
+from functools import partial
 from pathlib import Path
+from queue import Queue
 
 ROOT = Path(__file__).parent.parent
 ROOMS = ("core", "text", "animation", "motion", "metrics", "pipeline")
 SECONDS = 120  # of processor time
+LIMITED = (
+    "import resource, sys, pytest; "
+    f"resource.setrlimit(resource.RLIMIT_CPU, ({SECONDS}, {SECONDS})); sys.exit(pytest.main(sys.argv[1:]))"
+)
 NO_TESTS = 5  # what pytest returns when none was chosen
 QUICK, SLOW = "not slow", "slow"
 _COMPARED = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
@@ -127,14 +131,10 @@ def tests_of(path: Path) -> list[str]:
 def tests_pass(path: Path, copy: Path, which: str) -> bool:
     """Whether the tests of a module pass in the copy: those that are "not slow", or the "slow" ones."""
     tests = [str(copy / path.relative_to(ROOT)), *tests_of(path)]
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests, "-m", which]
+    command = [sys.executable, "-c", LIMITED, "-x", "-q", "-p", "no:cacheprovider", *tests, "-m", which]
     environment = {**os.environ, "PYTHONPATH": str(copy / "src")}
-    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, preexec_fn=_limited, check=False)
+    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, check=False)
     return done.returncode in (0, NO_TESTS)
-
-
-def _limited() -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
 
 def _write_anew(target: Path, text: str) -> None:
@@ -144,12 +144,12 @@ def _write_anew(target: Path, text: str) -> None:
         compiled.unlink()
 
 
-def survives(mutant: Mutant, copy: Path, sound: Callable[[Path, str], bool]) -> bool:
+def survives(mutant: Mutant, copy: Path) -> bool:
     """Whether all tests pass with the change in: the quick ones, and only then the slow ones that pass without it."""
     target = copy / mutant.path.relative_to(ROOT)
     kept = target.read_text(encoding="utf-8")
     for which in (QUICK, SLOW):
-        if not sound(mutant.path, which):
+        if not _sound(mutant.path, copy, which):
             continue
         _write_anew(target, mutant.text)
         try:
@@ -165,6 +165,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--number", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="how many are tried at once")
     parser.add_argument("--module", help="only this one, such as mien.core.timeline, and all of its mutants")
     options = parser.parse_args()
     if options.module:
@@ -174,27 +175,52 @@ def main() -> None:
     places = [(path, number) for path in files if tests_of(path) for number in range(places_in(path))]
     if not options.module:
         places = random.Random(options.seed).sample(places, min(options.number, len(places)))
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder)
-        for name in ("src", "tests", "tools", "benchmarks", "examples", "docs"):
-            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("pyproject.toml", "README.md", "constraints.txt"):
-            shutil.copy(ROOT / name, copy / name)
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.workers) as workers:
+        copies: Queue[Path] = Queue()
+        for number in range(options.workers):
+            copies.put(_copied(Path(folder) / str(number)))
+        judge = partial(_judged, copies)
+        found = alive = 0
+        for done, told in enumerate(workers.map(judge, [mutant(*place) for place in sorted(places)]), start=1):
+            found += told is not None
+            alive += bool(told)
+            if told:
+                print(f"{done}/{len(places)} survived: {told}", flush=True)
+        print(f"{found - alive} of {found} mutants killed ({(found - alive) / max(found, 1):.0%})")
 
-        @cache
-        def sound(path: Path, which: str) -> bool:
-            passed = tests_pass(path, copy, which)
-            if not passed:
-                print(f"left out, {which} tests fail unchanged: {path.relative_to(ROOT)}", flush=True)
-            return passed
 
-        found, alive = [mutant(*place) for place in sorted(places) if sound(place[0], QUICK)], 0
-        for done, change in enumerate(found, start=1):
-            if survives(change, copy, sound):
-                alive += 1
-                where = f"{change.path.relative_to(ROOT)}:{change.line}"
-                print(f"{done}/{len(found)} survived: {where}: {change.was[:80]}", flush=True)
-        print(f"{len(found) - alive} of {len(found)} mutants killed ({(len(found) - alive) / max(len(found), 1):.0%})")
+def _copied(folder: Path) -> Path:
+    """A copy of the project to make changes in."""
+    for name in ("src", "tests", "tools", "benchmarks", "examples", "docs"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "constraints.txt"):
+        shutil.copy(ROOT / name, folder / name)
+    return folder
+
+
+def _judged(copies: Queue[Path], change: Mutant) -> str | None:
+    """Where a mutant survived and what was changed, "" if it was killed, None if its tests fail unchanged."""
+    copy = copies.get()
+    try:
+        if not _sound(change.path, copy, QUICK):
+            return None
+        if not survives(change, copy):
+            return ""
+        return f"{change.path.relative_to(ROOT)}:{change.line}: {change.was[:80]}"
+    finally:
+        copies.put(copy)
+
+
+_KNOWN: dict[tuple[Path, str], bool] = {}
+
+
+def _sound(path: Path, copy: Path, which: str) -> bool:
+    """Whether the tests of a module pass unchanged; each asked once, or twice if two want to know at once."""
+    if (path, which) not in _KNOWN:
+        _KNOWN[path, which] = tests_pass(path, copy, which)
+        if not _KNOWN[path, which]:
+            print(f"left out, {which} tests fail unchanged: {path.relative_to(ROOT)}", flush=True)
+    return _KNOWN[path, which]
 
 
 if __name__ == "__main__":
