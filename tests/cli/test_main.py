@@ -73,6 +73,8 @@ def test_help_loads_no_heavy_library() -> None:
         (["say", "Hello.", "-o", "{dir}/a.csv", "--seed", "-1"], "seed"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--seed", "x"], "--seed"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--face", "nobody"], "unknown face 'nobody'"),
+        (["say", "Hello.", "-o", "{dir}/a.csv", "--face", "line.mp4"], "line.mp4 is no face"),
+        (["batch", "{dir}/a.csv", "-o", "{dir}/b"], "a table is for 'mien stimuli'"),
         (["say", "Hello.", "-o", "{dir}/a.csv", "--voice", "nobody"], "unknown voice 'nobody'"),
         (["say", "", "-o", "{dir}/a.csv"], "empty"),
         (["say", "  \n ", "-o", "{dir}/a.csv"], "empty"),

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import resource
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -18,6 +22,19 @@ def test_what_was_let_go_is_still_there() -> None:
     let_go(part)
     trim()
     np.testing.assert_array_equal(part, np.arange(100, 4000))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc, and let go of on Linux alone")
+def test_what_was_let_go_takes_no_memory() -> None:
+    def resident() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+    found = long_array(16_000_000)
+    found[:] = 1.0
+    before = resident()
+    let_go(found)
+    assert before - resident() > 50_000_000
+    assert found[-1] == 1.0
 
 
 def test_other_arrays_are_left_alone() -> None:

@@ -87,6 +87,8 @@ def _batch(options: argparse.Namespace) -> int:
     from mien.text.effort_spans import parse_effort
     from mien.text.score import EmotionSpan
 
+    if Path(options.lines).suffix.lower() in (".csv", ".tsv", ".xlsx"):
+        raise InputError(f"{options.lines}: mien batch says the lines of a text; a table is for 'mien stimuli'")
     rows = read_text(Path(options.lines)).splitlines()
     remarks = [row.lstrip().startswith("#") for row in rows]
     lines = [

@@ -23,6 +23,7 @@ __all__ = [
 ]  # fmt: skip
 
 _TURNING = {**PARTS, "neck": "neck", "jaw": "jaw", "armLeft": "left arm", "armRight": "right arm"}
+_MOST_EMPTY = 4  # names of empty targets that are told one by one
 _LYING = 0.25
 """A target that moves less like the channel of its name than this cosine, and surely like another, lies."""
 
@@ -185,6 +186,8 @@ class FaceReport:
             still = [target for target in mesh.targets if not target.driven_by]
             for reason in dict.fromkeys(target.still for target in still):
                 names = [target.name or "(no name)" for target in still if target.still == reason]
+                if reason == EMPTY and len(names) > _MOST_EMPTY:
+                    names[_MOST_EMPTY - 1 :] = [f"and {len(names) - _MOST_EMPTY + 1} more"]
                 told.append(f"  still, {reason}: {', '.join(names)}")
         told += [f"{name}: its name is not what it moves: {like}" for name, like in self.lying.items()]
         told += [f"{name}: left still, it moves like {like}" for name, like in self.proposals.items()]
