@@ -78,7 +78,7 @@ slow-tests: $(VENV)/.dev
 	$(BIN)/python -m pytest $(IN_PARALLEL) -q --junitxml=test-times.xml || true
 	$(BIN)/python tools/slow_tests.py test-times.xml
 
-# Does a test notice a changed line? MUTANTS=200 in the core rooms, drawn with SEED=1; takes half an hour on two cores.
+# Does a test notice a changed line? MUTANTS=200 in the core rooms, drawn with SEED=1; one at a time on each core, about an hour on two.
 mutants: $(VENV)/.dev
 	$(BIN)/python tools/mutants.py --number $(MUTANTS) --seed $(SEED)
 

@@ -1,6 +1,6 @@
 """Does a test notice a changed line? Changes one thing at a time in the core rooms and runs the tests of that module.
 
-    python tools/mutants.py --number 200 --seed 1        half an hour on two cores (`make mutants`)
+    python tools/mutants.py --number 200 --seed 1        about an hour on two cores (`make mutants`)
     python tools/mutants.py --module mien.core.timeline    all of one module
 
 A mutant is a comparison, a sign, a number, a truth value or a boundary that is another one. It is killed if a doctest
