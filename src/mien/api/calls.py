@@ -120,7 +120,7 @@ def say(
     >>> line = mien.say("I never said that.", emotion="angry:0.7")  # doctest: +SKIP
     >>> mien.save(line, "line.mp4", "line.glb")  # doctest: +SKIP
     """
-    from mien.pipeline.performance import perform_spoken
+    from mien.pipeline.edited_performance import perform_spoken
 
     if split_auto(emotion)[1]:
         raise InputError(
@@ -193,7 +193,7 @@ def animate(
     InputError
         If the sound cannot be read or an option is not understood.
     """
-    from mien.pipeline.performance import perform_spoken
+    from mien.pipeline.edited_performance import perform_spoken
 
     emotion, from_voice = split_auto(emotion)
     layer = layer_of(edits)

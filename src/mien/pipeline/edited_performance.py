@@ -1,4 +1,4 @@
-"""`perform_edited`: a performance with a layer of edits on it, in the order in which one rests on the other.
+"""`perform_spoken`: what was spoken is performed, with a layer of edits; in the order in which one rests on the other.
 
 borders      moved before anybody performs: the mouth follows the phones
 intensities  laid on the score, at anchors in the moved phones
@@ -16,22 +16,61 @@ from mien.animation.edits.borders import with_borders
 from mien.animation.edits.edited_curves import with_curves
 from mien.animation.edits.edited_emotions import asked_emotions, with_intensities
 from mien.animation.edits.edited_line import line_of
-from mien.animation.edits.layer import BorderEdit, EditLayer
+from mien.animation.edits.layer import EMPTY, BorderEdit, EditLayer
 from mien.core.timeline import FrameRate
 from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.performer import Performer
 from mien.pipeline.perform import perform
+from mien.pipeline.spoken import Spoken
+from mien.pipeline.translate import translate
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [
+    "directed",
     "perform_edited",
+    "perform_spoken",
     "perform_under",
     "recoloured_under_edits",
     "unedited",
     "with_edited_channels",
     "without_edited_channels",
 ]
+
+
+def perform_spoken(
+    spoken: Spoken,
+    performer: Performer,
+    rate: FrameRate,
+    seed: int = 0,
+    score: Score | None = None,
+    edits: EditLayer = EMPTY,
+) -> Animation:
+    """Perform, as `mien.pipeline.perform.perform` does.
+
+    Parameters
+    ----------
+    spoken : Spoken
+        Commands that are left in it are translated by the shipped library.
+    performer, rate, seed
+        As for `mien.pipeline.perform.perform`.
+    score : Score, optional
+        Direction for the whole besides: its emotions come before those of the script.
+    edits : EditLayer
+        Laid on the performance (`perform_edited`).
+    """
+    spoken, asked = directed(spoken, score)
+    return perform_edited(spoken.utterance, asked, performer, rate, seed, edits)
+
+
+def directed(spoken: Spoken, score: Score | None) -> tuple[Spoken, Score]:
+    """What was spoken with all commands translated, and all that is asked of its performance."""
+    if spoken.commands:
+        spoken = translate(spoken)
+    asked = spoken.score
+    if score is not None:
+        asked = Score(score.emotions + asked.emotions, score.curves + asked.curves, score.efforts + asked.efforts)
+    return spoken, asked
 
 
 def perform_edited(

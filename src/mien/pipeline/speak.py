@@ -19,6 +19,7 @@ from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.commands import CommandLibrary, shipped_library
 from mien.text.languages import read_words
+from mien.text.languages.language_detection import note_on_language
 from mien.text.normalisation import spoken_words
 from mien.text.score import UNDIRECTED, Score
 from mien.text.script import Script, Segment
@@ -143,7 +144,7 @@ def _spoken(
         said = (synthesiser or synthesise)(
             segment.text, voice=own or voice, seed=seed, language=spoken_in, spellings=spellings
         )
-        said = said.with_notes(*notes)
+        said = said.with_notes(*(note_on_language(segment.text) if said.native is None else ()), *notes)
         pieces[number] = said, read_words(segment.text, spoken_in, said.language)
     first, spoken = pieces[told[0]]
     alone = script.segments[told[0]]

@@ -18,7 +18,6 @@ from mien.speech.aligned_phone import AlignedPhone
 from mien.speech.voices import Speech, Voice, get_voice
 from mien.speech.voices.voice import Break
 from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
-from mien.text.languages.language_detection import note_on_language
 from mien.text.languages.reading import read_in
 from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation, pronounce, pronunciations
@@ -75,7 +74,7 @@ def synthesise(
         utterance = _aligned(spoken, speaker, speech)
     else:
         utterance = _as_spoken(spoken, speaker, speech)
-    return utterance.with_notes(*spoken.notes, *speaker.notes(spoken), *(note_on_language(text) if own is None else ()))
+    return utterance.with_notes(*spoken.notes, *speaker.notes(spoken))
 
 
 def _spelled(spoken: SpokenText, spellings: Sequence[Spelled], voice: Voice) -> SpokenText:

@@ -12,7 +12,7 @@ from mien.animation.edits import EMPTY, EditLayer
 from mien.core.errors import InputError, Note, unknown_name
 from mien.core.timeline import FrameRate
 from mien.motion.performer import Performer
-from mien.pipeline.performance import perform_spoken
+from mien.pipeline.edited_performance import perform_spoken
 from mien.pipeline.speak import speak
 from mien.pipeline.spoken import Spoken
 from mien.pipeline.translate import translate

@@ -19,10 +19,9 @@ from mien.core.timeline import FrameRate
 from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
-from mien.pipeline.edited_performance import with_edited_channels
+from mien.pipeline.edited_performance import directed, with_edited_channels
 from mien.pipeline.inputs import spoken_recording, spoken_text
 from mien.pipeline.options import is_auto, prepared, score_with_voice, with_heard_effort
-from mien.pipeline.performance import directed
 from mien.pipeline.spoken import Spoken
 from mien.serve.studio.given_speech import as_corrected
 from mien.serve.studio.jobs import Cancelled, Job, Part
