@@ -33,6 +33,7 @@ def test_nothing_is_lost_when_the_server_is_killed(seen: dict) -> None:
 
 def test_many_keys_are_chosen_copied_deleted_and_mirrored(seen: dict) -> None:
     assert seen["chosen"] == 3
+    assert not seen["menuCut"], "something sticks out of the menu"
     assert seen["pasted"][0][1] > 3
     assert seen["deleted"] == []
     assert seen["undone"] == seen["pasted"]

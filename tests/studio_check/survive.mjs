@@ -114,6 +114,7 @@ try {
   await page.mouse.dblclick(smile.x + smile.width * 0.5, smile.y + 14);
   await idle();
   await page.mouse.click(smile.x + smile.width * 0.5, smile.y + 14, { button: 'right' });
+  seen.menuCut = await page.locator('.context-menu').evaluate((menu) => menu.scrollWidth > menu.clientWidth + 1 || [...menu.querySelectorAll('button')].some((entry) => entry.getBoundingClientRect().right > menu.getBoundingClientRect().right));
   await page.screenshot({ path: join(folder, 'menu.png') });
   await page.getByRole('menuitem', { name: 'Copy to the other side of the face' }).click();
   await idle();
