@@ -4249,7 +4249,7 @@ void RE_Direct_Skin( const in IncidentLight directLight, const in vec3 geometryP
 }
 #define RE_Direct RE_Direct_Skin
 `,If=`
-outgoingLight *= mix( 0.62, 0.16, smoothstep( 0.0, 0.8, vMienDeep ) );
+outgoingLight *= mix( 0.52, 0.13, smoothstep( 0.0, 0.7, vMienDeep ) );
 #include <opaque_fragment>
 `,Lf=`
 varying float vMienThin;
