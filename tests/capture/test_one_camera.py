@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from mien.capture import capture_take, fit_person
 from mien.capture.layouts import load_layout
-from mien.capture.one_camera import believed, reported_depth
+from mien.capture.one_camera import believed, reported_depth, reported_raising
 from mien.capture.person import Person
+from mien.core.channels import WEIGHTS
 from mien.core.tracks import ChannelTrack, MarkerTrack
 from mien.face.library import load_face
 from mien.metrics.face_track import shown_landmarks
@@ -84,3 +87,20 @@ def test_what_optical_markers_show_is_believed() -> None:
 def test_how_much_depth_is_reported_is_measured(person: Person, depth: float) -> None:
     tracks = [markers_of(weights_of(jawOpen=0.3, mouthPucker=0.4), depth=depth, noise=0.05)]
     assert reported_depth(person, tracks) == pytest.approx(depth, abs=0.15)
+
+
+def test_an_opening_that_a_tracker_lays_on_the_upper_lip_is_the_jaws(person: Person) -> None:
+    weights = weights_of(jawOpen=0.4)
+    markers = markers_of(weights)
+    upper = next(seen for seen in person.openings if seen.opening.name == "mouth").rows > 0
+    split = markers.positions.copy()
+    lips = [number for number, name in enumerate(markers.names) if name in np.array(person.markers)[upper]]
+    split[:, lips, 1] += 0.3 * 30.0 * weights[:, WEIGHTS.index("jawOpen")][:, None]
+    track = replace(markers, positions=split)
+    assert reported_raising(person, [markers]) == 0.0
+    assert reported_raising(person, [track]) == pytest.approx(0.2, abs=0.08)
+    told = replace(person, raised=reported_raising(person, [track]))
+    jaws = [
+        capture_take(track, LAYOUT, head=one, spoken=True).channels.channel("jawOpen").max() for one in (person, told)
+    ]
+    assert jaws[0] + 0.05 < jaws[1] < 0.45

@@ -27,7 +27,7 @@ from mien.capture.person import Person, fit_person
 from mien.capture.solver import Priors, Solved, Solver
 from mien.core.tracks import MarkerTrack
 
-__all__ = ["believed", "fit_speaker", "reported_depth", "solve_spoken"]
+__all__ = ["believed", "fit_speaker", "reported_depth", "reported_raising", "solve_spoken"]
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +38,10 @@ _DEEP = 0.15
 """Share of the lips' motion in depth from which it has a say, and how much it then counts beside height."""
 _DEPTH_COUNTS = 0.5
 _FRAMES = 800
+_WIDE, _LOWERED_MM = 0.9, 3.0
+_PEOPLE = 0.1
+"""Hand-made: from which quantile of the lower lip's lowering on a mouth is wide open, and from how many mm; and how
+much of that way people raise the upper lip themselves."""
 
 
 def believed(person: Person, weights: Floats) -> tuple[Floats, Floats]:
@@ -62,7 +66,7 @@ def believed(person: Person, weights: Floats) -> tuple[Floats, Floats]:
     raising, lowering = (height @ np.maximum(lips.rows, 0.0), height @ np.minimum(lips.rows, 0.0))
     raised, lowered = (np.einsum("tc,c->t", weights, way) for way in (raising, lowering))
     jaw = person.channels.index("jawOpen")
-    opened = known.lower * lowered - known.upper * np.maximum(raised, 0.0)
+    opened = known.lower * lowered - known.upper * np.maximum(raised - person.raised * np.maximum(lowered, 0.0), 0.0)
     opened = np.clip(opened / lowering[jaw], 0.0, weights[:, jaw])
     return opened, np.clip(opened - (raised + lowered) / lowering[jaw], 0.0, opened)
 
@@ -95,10 +99,30 @@ def reported_depth(person: Person, tracks: Sequence[MarkerTrack]) -> float:
     return max(0.0, float((asked * shown).sum() / max((shown**2).sum(), 1e-9)))
 
 
+def reported_raising(person: Person, tracks: Sequence[MarkerTrack]) -> float:
+    """How much the upper lip is reported to rise for each lowering of the lower one by a jaw, beyond what people do.
+
+    Lips are furthest apart by the jaw, which leaves the upper one where it is. Of faces that it knows little of, such
+    as drawn ones, a tracker then lays a part of the opening on the upper lip.
+    """
+    mouth = [seen for seen in person.openings if seen.opening.name == "mouth"]
+    frames = np.concatenate([t.positions[:, [t.names.index(name) for name in person.markers]] for t in tracks])
+    frames = frames[np.isfinite(frames).all(axis=(1, 2))]
+    if len(frames) < 2 or not mouth:
+        return 0.0
+    rows, axis = mouth[0].rows, mouth[0].opening.axis
+    height = ((frames - person.neutral) @ person.turn.T)[:, :, axis]
+    raised, lowered = height @ np.maximum(rows, 0.0), height @ np.minimum(rows, 0.0)
+    wide = lowered >= max(np.quantile(lowered, _WIDE), _LOWERED_MM)
+    return max(0.0, float(np.quantile(raised[wide] / lowered[wide], 0.25)) - _PEOPLE) if wide.any() else 0.0
+
+
 def fit_speaker(tracks: Sequence[MarkerTrack], layout: Layout | str, source: str = "tracker") -> Person:
-    """`mien.capture.fit_person` of somebody in speech: what a tracker reports of depth is measured as well."""
+    """`mien.capture.fit_person` of somebody in speech: what a tracker reports of depth and upper lips is measured."""
     person = fit_person(tracks, layout, source)
-    return replace(person, depth=reported_depth(person, tracks)) if source == "tracker" else person
+    if source != "tracker":
+        return person
+    return replace(person, depth=reported_depth(person, tracks), raised=reported_raising(person, tracks))
 
 
 def solve_spoken(person: Person, positions: Floats, fps: float, priors: Priors | None = None) -> Solved:

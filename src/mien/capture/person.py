@@ -73,6 +73,9 @@ class Person:
     openings : tuple of Seen
     depth : float
         How much of the lips' motion in depth is reported (`mien.capture.one_camera.reported_depth`); 0: not known.
+    raised : float
+        How much the upper lip is reported to rise for each lowering of the lower one by a jaw, beyond what people do
+        (`mien.capture.one_camera.reported_raising`).
     """
 
     layout: str
@@ -87,6 +90,7 @@ class Person:
     noise: Floats
     openings: tuple[Seen, ...]
     depth: float = 0.0
+    raised: float = 0.0
 
     def with_markers(self, kept: Sequence[int]) -> Person:
         """The same person known by some of the markers (numbers) only.

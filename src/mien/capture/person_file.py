@@ -21,7 +21,7 @@ def arrays_of(person: Person) -> dict[str, Any]:
     """All that a person is, by name, for `numpy.savez`."""
     arrays: dict[str, Any] = {name: getattr(person, name) for name in _NUMBERS}
     arrays |= {"markers": np.array(person.markers), "channels": np.array(person.channels)}
-    arrays["depth"] = np.array(person.depth)
+    arrays |= {"depth": np.array(person.depth), "raised": np.array(person.raised)}
     arrays["about"] = np.array([person.layout, person.source])
     arrays["openings"] = np.array([seen.opening.name for seen in person.openings])
     arrays["opening_rows"] = np.array([seen.rows for seen in person.openings]).reshape(-1, len(person.markers))
@@ -56,6 +56,7 @@ def person_from(arrays: Mapping[str, Any]) -> Person:
         noise=np.array(arrays["noise"]),
         openings=seen,
         depth=float(arrays.get("depth", 0.0)),
+        raised=float(arrays.get("raised", 0.0)),
     )
 
 
