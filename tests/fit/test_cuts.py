@@ -6,6 +6,7 @@ import numpy as np
 
 from mien.fit.eye_cut import cut_out_eye, eye_patch, inside_outline
 from mien.fit.lip_cut import cut_apart
+from mien.fit.shape_transfer import strays
 
 
 def sheet(size: int = 21):
@@ -58,3 +59,12 @@ def test_lips_are_cut_from_corner_to_corner():
     middle = (np.abs(points[:, 0]) < 6) & (np.abs(points[:, 1]) < 2)
     sides = known[new[np.isin(new % len(points), np.flatnonzero(middle)).all(axis=1)]]
     assert (np.ptp(sides, axis=1) == 0).all()  # no triangle joins them there
+
+
+def test_a_vertex_that_leaves_all_its_neighbours_is_a_stray_and_a_cut_is_none():
+    points, triangles = sheet()
+    moves = np.where(points[:, 1:2] > 2, [[0.0, 10, 0]], 0.0)  # like lips that part
+    assert not strays(points, triangles, moves).any()
+    number = int(np.argmin(np.abs(points - [4, -5, 0]).sum(axis=1)))
+    moves[number] = (0, -10, 0)
+    assert np.flatnonzero(strays(points, triangles, moves)).tolist() == [number]

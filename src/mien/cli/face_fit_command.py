@@ -34,6 +34,12 @@ def add_command(kinds: Any) -> None:
     )
     parser.add_argument("--also", metavar="OUT.glb", help="the face as a GLB with its morph targets, at rest")
     parser.add_argument("--texture", metavar="PICTURE", help="the texture picture of the mesh")
+    parser.add_argument(
+        "--unwrap",
+        metavar="LAYOUT.png",
+        help="give a head without texture coordinates some (cut open at the back, laid flat) and draw their layout, to "
+        "paint over and give as --texture; for a FACE.npz",
+    )
     parser.add_argument("--unit", help="of the mesh: mm, cm, dm, m or inch (default: found from the head's size)")
     parser.add_argument(
         "--add",
@@ -63,11 +69,16 @@ def _fit(options: argparse.Namespace) -> int:
         also = check_writable(options.also)
         if also.suffix.lower() != ".glb":
             raise InputError(f"--also {also}: expected a name that ends in .glb")
+    layout = None
+    if options.unwrap is not None:
+        layout = check_writable(options.unwrap)
+        if layout.suffix.lower() != ".png" or path.suffix.lower() != ".npz":
+            raise InputError(f"--unwrap {layout} -o {path}: expected a LAYOUT.png, and a FACE.npz as the output")
     read = [type(path)(name).resolve() for name in (options.mesh, options.landmarks, options.texture) if name]
     if path.resolve() in read or (also is not None and also.resolve() in read):
         raise InputError(f"{path if path.resolve() in read else also} is both read and written: give it another name")
     _check_unit(options.unit)
-    return _fitted(options, _parts(options.add), path, also)
+    return _fitted(options, _parts(options.add), path, also, layout)
 
 
 def _check_unit(unit: str | None) -> None:
@@ -89,7 +100,7 @@ def _parts(text: str) -> tuple[str, ...]:
     return names
 
 
-def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also: Any) -> int:
+def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also: Any, layout: Any) -> int:
     from math import isnan
     from pathlib import Path
 
@@ -100,16 +111,20 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
     from mien.fit.mesh_files import read_mesh
 
     landmarks = read_landmarks(options.landmarks) if options.landmarks else {}
-    mesh = read_mesh(options.mesh, options.texture)
+    mesh = read_mesh(options.mesh, None if layout else options.texture)
+    if layout and mesh.uv.any():
+        raise InputError(f"{options.mesh} has texture coordinates already: leave --unwrap out")
     own_file = path.suffix.lower() != ".npz" and bool(mesh.origins)
     lent = () if own_file else added
     done = fit_head(mesh, landmarks, Path(options.mesh).stem, options.unit, lent, options.mesh)
-    print(_report(done, len(landmarks)))
     refused = [finding.words for finding in done.findings if finding.kind == "refusal"]
     if isnan(done.lip_gap) and isnan(done.lid_gap):
         refused.append(f"neither lips nor lids that part were found on its {len(done.kept)} vertices")
     if refused:
         raise InputError(f"{options.mesh}: the fit is not kept: {'; '.join(refused)}; give --landmarks by hand")
+    print(_report(done, len(landmarks)))
+    if layout:
+        done = _unwrapped(done, options, layout)
     if own_file:
         _write_own_file(done, mesh, options.mesh, path)
     elif path.suffix.lower() == ".npz":
@@ -123,6 +138,31 @@ def _fitted(options: argparse.Namespace, added: tuple[str, ...], path: Any, also
         write_rest(done.face, also)
         print(f"{also}: the face at rest, with its morph targets")
     return 0
+
+
+def _unwrapped(done: FittedHead, options: argparse.Namespace, layout: Any) -> FittedHead:
+    """The face with texture coordinates on its skin, their layout drawn, and painted if there is a picture."""
+    from dataclasses import replace
+
+    from PIL import Image
+
+    from mien.core.files import replace_when_complete
+    from mien.fit.mesh_files import read_picture
+    from mien.fit.unwrap import layout_picture, unwrapped
+
+    skin = done.face.part("skin")
+    found = unwrapped(skin, options.mesh)
+    with replace_when_complete(layout) as unfinished:
+        Image.fromarray(layout_picture(found.part)).save(unfinished, "PNG")
+    told = (
+        f"triangles turned over: {found.turned}, 90 % of the skin has 1/{found.spread:.1f} to {found.spread:.1f} times"
+    )
+    print(f"{layout}: layout of the texture coordinates; {told} its share of the picture")
+    part = found.part
+    if options.texture:
+        part = replace(part, material=replace(part.material, texture=read_picture(options.texture), colour=(1, 1, 1)))
+    parts = tuple(part if each is skin else each for each in done.face.parts)
+    return replace(done, face=replace(done.face, parts=parts))
 
 
 def _write_own_file(done: FittedHead, mesh: GivenMesh, source: str, path: Any) -> None:

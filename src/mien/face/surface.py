@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from mien.core.compiled import njit
 
-__all__ = ["Closest", "Surface", "edges_of", "vertex_normals"]
+__all__ = ["Closest", "Surface", "coded_sides", "edges_of", "open_edges", "vertex_normals"]
 
 NORMAL_MM = 8.0
 _NEAREST = 6
@@ -40,9 +40,28 @@ def vertex_normals(vertices: Floats, triangles: Indices) -> Floats:
 
 
 def edges_of(triangles: Indices) -> Indices:
-    """Each edge once, shape (e, 2), lower number first."""
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    return np.unique(sides, axis=0).astype(np.int32)
+    """Each edge once, shape (e, 2), lower number first, in order."""
+    code, count = coded_sides(triangles)
+    return _ends(np.unique(code), count)
+
+
+def open_edges(triangles: Indices) -> Indices:
+    """Edges with a triangle on one side only, shape (e, 2)."""
+    code, count = coded_sides(triangles)
+    one, times = np.unique(code, return_counts=True)
+    return _ends(one[times == 1], count)
+
+
+def coded_sides(triangles: Indices) -> tuple[NDArray[np.int64], int]:
+    """Each side of each triangle as one number, which sorts several times faster than a pair."""
+    count = int(triangles.max(initial=0)) + 1
+    one = np.concatenate([triangles[:, k] for k in (0, 1, 2)]).astype(np.int64)
+    other = np.concatenate([triangles[:, k] for k in (1, 2, 0)]).astype(np.int64)
+    return np.minimum(one, other) * count + np.maximum(one, other), count
+
+
+def _ends(code: NDArray[np.int64], count: int) -> Indices:
+    return np.stack([code // count, code % count], axis=1).astype(np.int32)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ from mien.fit.head_search import find_head
 from mien.fit.landmarks import needed_landmarks, places_of_landmarks
 from mien.fit.lip_cut import cut_apart, joined_share
 from mien.fit.piece_motion import PieceMotion
-from mien.fit.shape_transfer import Carried, carry_over, filled
+from mien.fit.shape_transfer import Carried, carry_over, filled, strays
 from mien.fit.surface_fit import FitSettings, SurfaceFit, fit_surface
 
 __all__ = ["ADDED", "FittedHead", "GivenMesh", "fit_head"]
@@ -288,6 +288,7 @@ class _Builder:
         trust = carried.trust.copy()
         for socket in sockets:
             trust[socket.numbers] = 1.0
+        trust[strays(vertices, triangles, carried.matrix @ self.reshaped.targets["jawOpen"])] = 0.0
         found: dict[str, Moves] = {}
         for first in range(0, len(names), _AT_ONCE):  # a million vertices times all targets would not fit
             some = names[first : first + _AT_ONCE]

@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mien.core.errors import InputError, Note
-from mien.face.surface import vertex_normals
+from mien.face.surface import coded_sides, vertex_normals
 from mien.face.warps import Similarity
 from mien.fit.piece_kinds import Piece, kinds_of_pieces
 
@@ -254,8 +254,7 @@ def _bulging(middle: Floats, facing: Floats) -> Floats:
 
 def _open_share(triangles: Indices, label: NDArray[np.int64]) -> Floats:
     """Of each piece, the share of edges with a triangle on one side only."""
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    _, first, times = np.unique(sides, axis=0, return_index=True, return_counts=True)
+    _, first, times = np.unique(coded_sides(triangles)[0], return_index=True, return_counts=True)
     owner = label[first % len(triangles)]
     count = int(label.max()) + 1
     return np.asarray(np.bincount(owner, times == 1, count) / np.maximum(np.bincount(owner, None, count), 1))

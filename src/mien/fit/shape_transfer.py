@@ -20,14 +20,16 @@ from mien.face.contact import distance_along, split_loop
 from mien.face.head_space import HeadSpace
 from mien.face.surface import Closest, Surface, edges_of
 
-__all__ = ["Carried", "carry_over", "filled"]
+__all__ = ["Carried", "carry_over", "filled", "strays"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _LIP_REACH, _LID_REACH = 14.0, 7.0  # mm along the default skin from its openings within which sides are told apart
 _CLOSE_MM = 2.5
+_EDGE_MM = 0.7  # as long as the default's at its lids; twice that at its lips
 _MOST_FILLED = 300_000
+_STRAY_MM, _STRAY_TIMES, _STRAY_SHARE = 4.0, 3.5, 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +132,7 @@ def _told_apart(
     halves = [Surface(skin, corner, chosen) for chosen in (above, below)]
     found = [half.closest(points[asked], normals[asked]) for half in halves]
     prefer = (found[1].cost - found[0].cost) / (found[0].cost + found[1].cost + 2.0)
-    score = _voted(prefer, asked, edges, len(points))
+    score = _voted(prefer, asked, edges, points)
     up = score >= 0 if known is None else np.where(known[asked] != 0, known[asked] > 0, score >= 0)
     side[asked] = np.where(up, 1, -1)
     return _replaced(best, asked, found, up), side
@@ -147,9 +149,13 @@ def _replaced(best: Closest, asked: Indices, found: list[Closest], up: NDArray[n
     return Closest(**new)
 
 
-def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], count: int) -> Floats:
-    """Preferences smoothed over the mesh: strong ones stay, weak ones take their neighbours'."""
-    number = np.full(count, -1)
+def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], points: Floats) -> Floats:
+    """Preferences smoothed over the mesh: strong ones stay, weak ones take their neighbours'.
+
+    On a mesh finer than the default's a vertex stands for less skin, and its own preference counts for less: the
+    smoothing reaches as many millimetres, whatever the mesh.
+    """
+    number = np.full(len(points), -1)
     number[asked] = np.arange(len(asked))
     inner = number[edges]
     inner = inner[(inner >= 0).all(axis=1)]
@@ -157,9 +163,28 @@ def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], count: int)
     columns = np.concatenate([inner[:, 1], inner[:, 0]])
     beside = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), (len(asked), len(asked)))
     degree = np.asarray(beside.sum(1)).ravel()
-    weight = np.abs(prefer) + 1e-3
-    system = sparse.diags(weight + 0.5 * degree) - 0.5 * beside
+    place = points[asked]
+    length = np.bincount(rows, np.linalg.norm(place[rows] - place[columns], axis=1), len(asked)) / np.maximum(degree, 1)
+    skin = np.clip(length / _EDGE_MM, 0.05, 1.0) ** 2
+    weight = skin * (np.abs(prefer) + 1e-3)
+    system = sparse.diags(weight + 0.5 * degree + 1e-9) - 0.5 * beside
     return np.asarray(splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(weight * np.sign(prefer)))
+
+
+def strays(vertices: Floats, triangles: NDArray[np.int32], moves: Floats) -> NDArray[np.bool_]:
+    """Which vertices a motion (n, 3) tears from nearly all that surround them.
+
+    In the folds behind the lips a vertex may lie closest to the other wall: between walls that a millimetre separates, one
+    in some ten thousand of a fine mesh does.
+    """
+    one, other = edges_of(triangles).T
+    before = np.linalg.norm(vertices[one] - vertices[other], axis=1)
+    after = np.linalg.norm((vertices + moves)[one] - (vertices + moves)[other], axis=1)
+    torn = (after - before > _STRAY_MM) & (after > _STRAY_TIMES * before)
+    count = len(vertices)
+    degree = np.bincount(one, None, count) + np.bincount(other, None, count)
+    apart = np.bincount(one, torn, count) + np.bincount(other, torn, count)
+    return np.asarray(apart > _STRAY_SHARE * np.maximum(degree, 1))
 
 
 def filled(given: Floats, values: Floats, triangles: NDArray[np.int32]) -> Floats:

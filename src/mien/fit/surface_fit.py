@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from mien.face.head_space import HeadSpace
-from mien.face.surface import Closest, Surface, edges_of, vertex_normals
+from mien.face.surface import Closest, Surface, edges_of, open_edges, vertex_normals
 from mien.face.warps import Similarity, SmoothWarp
 from mien.fit.alignment import Alignment
 from mien.fit.landmarks import known_landmarks
@@ -117,11 +117,8 @@ def fit_in_space(space: HeadSpace, head: Surface, start: Similarity) -> tuple[Fl
 
 def _rim(head: Surface) -> NDArray[np.bool_]:
     """Vertices of the head on open edges: what is closest there may lie beyond it."""
-    used = head.triangles[head.numbers]
-    sides = np.sort(np.concatenate([used[:, [0, 1]], used[:, [1, 2]], used[:, [2, 0]]]), axis=1)
-    one, times = np.unique(sides, axis=0, return_counts=True)
     rim = np.zeros(len(head.vertices), dtype=np.bool_)
-    rim[one[times == 1].ravel()] = True
+    rim[open_edges(head.triangles[head.numbers]).ravel()] = True
     return rim
 
 

@@ -63,6 +63,33 @@ class AccessorReader:
             raise InputError(f"{self.document.path}: accessor {number} has numbers that are not finite")
         return result
 
+    def offsets(self, number: object, count: int) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """What an accessor of ``count`` moves says, as the rows that are not zero and their values, shape (k, 3).
+
+        What is sparse in the file is never laid out: a head of a million vertices may have dozens of shapes.
+
+        Raises
+        ------
+        InputError
+            As `read`, or if it has another number of rows.
+        """
+        facts = self.document._entry("accessors", number)
+        if facts.get("count") != count:
+            raise InputError(f"{self.document.path}: accessor {number} moves another number of vertices than {count}")
+        if "sparse" in facts and "bufferView" not in facts and not facts.get("normalized"):
+            kind, width, _ = self._kind(facts, number)
+            found = self._sparse(facts["sparse"], kind, width, count, number)
+            if width == 3 and (np.diff(found[0]) > 0).all():
+                self._count(found[1].size)
+                values = found[1].astype(np.float32)
+                if not np.isfinite(values).all():
+                    raise InputError(f"{self.document.path}: accessor {number} has numbers that are not finite")
+                kept = values.any(axis=1)
+                return found[0][kept].astype(np.int32), values[kept]
+        dense = self.read(number, 3)
+        rows = np.flatnonzero(dense.any(axis=1))
+        return rows.astype(np.int32), dense[rows].astype(np.float32)
+
     def indices(self, number: object, below: int) -> NDArray[np.int64]:
         """An accessor of indices, shape (count,), all of them below a count.
 
@@ -92,13 +119,9 @@ class AccessorReader:
 
     def _raw(self, facts: dict[str, Any], number: object) -> NDArray[Any]:
         path = self.document.path
-        kind, width = _COMPONENTS.get(facts.get("componentType", 0)), _WIDTHS.get(facts.get("type", ""))
-        count = facts.get("count")
-        if kind is None or width is None or not isinstance(count, int) or isinstance(count, bool) or count < 0:
-            raise InputError(f"{path}: accessor {number} has no known type and count")
+        kind, width, count = self._kind(facts, number)
         check_size("numbers", count * width, f"{path}, accessor {number}")
-        self._decoded += count * width
-        check_size("numbers", self._decoded, f"{path}, accessors together")
+        self._count(count * width)
         if "bufferView" not in facts and "sparse" not in facts and isinstance(number, int) and number in self._draco:
             return self._draco[number]
         if "bufferView" not in facts and count > self._longest:
@@ -112,6 +135,20 @@ class AccessorReader:
             values = values.copy()
             self._lay_over(values, facts["sparse"], kind, width, number)
         return values
+
+    def _kind(self, facts: dict[str, Any], number: object) -> tuple[str, int, int]:
+        """The kind of its numbers, how many stand in a row, and how many rows there are."""
+        kind, width = _COMPONENTS.get(facts.get("componentType", 0)), _WIDTHS.get(facts.get("type", ""))
+        count = facts.get("count")
+        if kind is None or width is None or not isinstance(count, int) or isinstance(count, bool) or count < 0:
+            raise InputError(f"{self.document.path}: accessor {number} has no known type and count")
+        return kind, width, count
+
+    def _count(self, numbers: int) -> None:
+        """Refuse a file that says the same bytes over and over: together more numbers than it has bytes, and many."""
+        self._decoded += numbers
+        if self._decoded > len(self.document.binary or b"") + sum(map(len, self.document._read.values())):
+            check_size("numbers", self._decoded, f"{self.document.path}, accessors together")
 
     def _strided(self, view: object, offset: object, kind: str, width: int, count: int, number: object) -> NDArray[Any]:
         data, size = self._view(view), np.dtype(kind).itemsize * width
@@ -131,19 +168,28 @@ class AccessorReader:
         return stride
 
     def _lay_over(self, values: NDArray[Any], sparse: Any, kind: str, width: int, number: object) -> None:
+        rows, given = self._sparse(sparse, kind, width, len(values), number)
+        values[rows] = given
+
+    def _sparse(
+        self, sparse: Any, kind: str, width: int, whole: int, number: object
+    ) -> tuple[NDArray[np.int64], NDArray[Any]]:
+        """Rows of ``whole`` that a sparse accessor names, and their values."""
         path = self.document.path
         try:
             count, places, given = sparse["count"], sparse["indices"], sparse["values"]
             place_kind = _COMPONENTS[places["componentType"]]
         except (KeyError, TypeError) as problem:
             raise InputError(f"{path}: accessor {number} is sparse without indices and values") from problem
-        if not isinstance(count, int) or not 0 <= count <= len(values):
-            raise InputError(f"{path}: accessor {number} says that {count} of {len(values)} elements are sparse")
-        if count:
-            rows = self._strided(places["bufferView"], places.get("byteOffset", 0), place_kind, 1, count, number)[:, 0]
-            if rows.astype(np.int64).max() >= len(values):
-                raise InputError(f"{path}: accessor {number} has a sparse index past its {len(values)} elements")
-            values[rows] = self._strided(given["bufferView"], given.get("byteOffset", 0), kind, width, count, number)
+        if not isinstance(count, int) or not 0 <= count <= whole:
+            raise InputError(f"{path}: accessor {number} says that {count} of {whole} elements are sparse")
+        if not count:
+            return np.zeros(0, np.int64), np.zeros((0, width), dtype=kind)
+        rows = self._strided(places["bufferView"], places.get("byteOffset", 0), place_kind, 1, count, number)[:, 0]
+        rows = rows.astype(np.int64)
+        if rows.max() >= whole or rows.min() < 0:
+            raise InputError(f"{path}: accessor {number} has a sparse index past its {whole} elements")
+        return rows, self._strided(given["bufferView"], given.get("byteOffset", 0), kind, width, count, number)
 
     def _view(self, number: object) -> bytes:
         facts = self.document._entry("bufferViews", number)

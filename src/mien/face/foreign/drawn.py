@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,7 +188,7 @@ class _Placing:
     def points(self, points: Floats) -> Floats:
         return self.offsets(points - self.origin)
 
-    def offsets(self, offsets: Floats) -> Floats:
+    def offsets(self, offsets: NDArray[np.floating[Any]]) -> Floats:
         return np.asarray(offsets * self.scale * np.array([self.facing, 1.0, self.facing]))
 
 

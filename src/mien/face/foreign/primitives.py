@@ -20,6 +20,8 @@ __all__ = ["Piece", "in_one_tile", "pieces_of_node", "rest_matrices", "triangles
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
+Moved = NDArray[np.integer[Any]]
+Moves = NDArray[np.floating[Any]]
 _STRIP, _FAN, _TRIANGLES = 5, 6, 4
 
 
@@ -52,7 +54,7 @@ class Piece:
     colours: Floats
     head_weight: Floats
     eye: str = ""
-    targets: Mapping[str, tuple[Rows, Floats]] = field(default_factory=dict)
+    targets: Mapping[str, tuple[Moved, Moves]] = field(default_factory=dict)
     origin: tuple[int, int] = (0, 0)
 
 
@@ -139,7 +141,7 @@ def _by_jaw(vertices: Floats, share: Floats, pivot: Floats, facing: int) -> dict
     return found if len(rows) else {}
 
 
-def _turned(linear: Floats, rows: Rows, offsets: Floats) -> Floats:
+def _turned(linear: Floats, rows: Moved, offsets: Moves) -> Floats:
     if len(linear) == 1:
         return np.asarray(offsets @ linear[0].T)
     return np.asarray(np.einsum("nij,nj->ni", linear[rows], offsets))
@@ -222,24 +224,21 @@ def rest_matrices(
 
 def _targets(
     foreign: ForeignFace, node: int, primitive: Mapping[str, Any], points: Floats, reader: AccessorReader
-) -> dict[str, tuple[Rows, Floats]]:
+) -> dict[str, tuple[Moved, Moves]]:
     """Offsets of the driven targets; rest weights of the others are added to ``points``."""
     facts = foreign.document.list_of("nodes")[node]
     mesh = foreign.meshes[facts["mesh"]]
     rest = facts.get("weights") or foreign.document.list_of("meshes")[facts["mesh"]].get("weights") or []
-    found = {}
+    found: dict[str, tuple[Moved, Moves]] = {}
     for place, (target, given) in enumerate(zip(mesh.targets, primitive.get("targets", []), strict=True)):
         resting = float(rest[place]) if place < len(rest) else 0.0
         if "POSITION" not in given or not (target.drives or resting):
             continue
-        offsets = reader.read(given["POSITION"], 3)
-        if len(offsets) != len(points):
-            raise InputError(f"{foreign.document.path}: target {target.name!r} has another number of vertices")
+        rows, offsets = reader.offsets(given["POSITION"], len(points))
         if target.drives:
-            rows = np.flatnonzero(np.abs(offsets).max(axis=1) > 0)
-            found[f"{mesh.number}/{place}"] = (rows, offsets[rows])
+            found[f"{mesh.number}/{place}"] = (rows, offsets)
         else:
-            points += resting * offsets
+            points[rows] += resting * offsets
     return found
 
 
