@@ -26,6 +26,10 @@ NAMES: dict[str, dict[str, dict[str, float]]] = {
         "head__eCTRLMouthOpen": {"jawOpen": 1},
         "Genesis8Female__eCTRLBrowInnerUp_L": {"browInnerUp": 1, "browInnerUpLeft": 1},
         "facs_bs_MouthSmile_L_div2": {"mouthSmileLeft": 1},
+        "head.eCTRLLipTopUp-DownR": {"mouthUpperUpRight": 1},
+        "head.eCTRLJawOut-In": {"jawForward": 1},
+        "facs_bs_MouthPurseUpperLeft_div2": {"mouthPucker": 1},
+        "facs_bs_MouthPressLowerRight": {"mouthPressRight": 1},
     },
     "Character Creator 3 and 4": {
         "Mouth_Top_Lip_Under": {"mouthRollUpper": 1},
