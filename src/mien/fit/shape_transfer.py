@@ -174,8 +174,8 @@ def _voted(prefer: Floats, asked: Indices, edges: NDArray[np.int32], points: Flo
 def strays(vertices: Floats, triangles: NDArray[np.int32], moves: Floats) -> NDArray[np.bool_]:
     """Which vertices a motion (n, 3) tears from nearly all that surround them.
 
-    In the folds behind the lips a vertex may lie closest to the other wall: between walls that a millimetre separates, one
-    in some ten thousand of a fine mesh does.
+    In the folds behind the lips, walls lie a millimetre apart, and a vertex may lie closest to the other one: of a fine
+    mesh one in some ten thousand does.
     """
     one, other = edges_of(triangles).T
     before = np.linalg.norm(vertices[one] - vertices[other], axis=1)
