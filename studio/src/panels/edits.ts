@@ -34,7 +34,7 @@ export class EditsPanel {
     });
     if (this.session.request.times) { // no edit of the layer: the line itself is performed with them
       const told = 'Words and phones as you corrected them';
-      rows.unshift(make('li', { class: 'edit times' }, make('div', {}, told), button(`Remove: ${told}`, () => void this.session.perform({ times: null }), { class: 'small' }, icon(ICONS.cross))));
+      rows.unshift(make('li', { class: 'edit given' }, make('div', {}, told), button(`Remove: ${told}`, () => void this.session.perform({ times: null }), { class: 'small' }, icon(ICONS.cross))));
     }
     this.list.replaceChildren(...(rows.length > 0 ? rows : [make('li', { class: 'quiet' }, 'No edits yet: drag a border, a point or a key on the timeline.')]));
   }
