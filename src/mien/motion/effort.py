@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mien.core import channels
 from mien.core.assets import asset_table
 from mien.core.audio import Audio
+from mien.core.time_spans import seconds_away
 from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import MarkerTrack
 from mien.core.utterance import PAUSE, Utterance
@@ -174,10 +175,7 @@ def _bounded(wanted: Floats, before: Floats) -> Floats:
 
 def _speaking(phones: Tier, times: Floats) -> Floats:
     """1 in speech, 0 in pauses, half a cosine of `EASE` outside the speech, shape (times,)."""
-    away = np.full(len(times), np.inf)
-    for phone in phones:
-        if phone.label != PAUSE:
-            away = np.minimum(away, np.maximum(phone.start - times, times - phone.end))
+    away = seconds_away([phone for phone in phones if phone.label != PAUSE], times)
     return np.asarray((1 + np.cos(np.pi * np.clip(away / EASE, 0, 1))) / 2)
 
 
@@ -190,8 +188,8 @@ def _free_to_open(phones: Tier, times: Floats, rate: FrameRate) -> Floats:
     manners = phone_table()
     for phone in phones:
         if phone.label in manners:
-            inside = (times >= phone.start) & (times < phone.end)
-            share[inside] = OPENS.get(manners[phone.label].manner, 1.0)
+            first, after = np.searchsorted(times, (phone.start, phone.end))
+            share[first:after] = OPENS.get(manners[phone.label].manner, 1.0)
     width = max(1, round(TURN * rate.fps)) | 1
     window = np.hanning(width + 2)[1:-1]
     padded = np.pad(share, width // 2, mode="edge")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mien.face.model import Face, Part
 from mien.face.normals import normals_of
 from mien.face.posing import welded_vertices
+from mien.face.row_groups import row_groups
 from mien.face.subset import nearest_to_middle, subset, without_flat
 
 __all__ = ["Detail", "moves"]
@@ -151,14 +152,16 @@ def _clusters(part: Part, pixel_mm: float) -> _Less | None:
     single = np.zeros(count, dtype=np.bool_)
     others = welded != np.arange(count)
     single[others] = single[welded[others]] = True
-    sides = np.sort(welded[part.triangles][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, times = np.unique(sides, axis=0, return_counts=True)
-    single[edges[times == 1]] = True
+    corner = welded[part.triangles].astype(np.int64)
+    one, other = corner.reshape(-1), np.roll(corner, -1, axis=1).reshape(-1)
+    edges, times = np.unique(np.minimum(one, other) * count + np.maximum(one, other), return_counts=True)
+    rim = edges[times == 1]
+    single[rim // count] = single[rim % count] = True
     single |= single[welded]
     alone = np.where(single, np.arange(count), -1)
-    key = np.column_stack([alone, np.floor(part.vertices / cell), np.rint(moves(part) / _MOVE_MM), np.rint(normals)])
-    _, group = np.unique(key.astype(np.int64), axis=0, return_inverse=True)
-    group = group.reshape(-1)
+    group = row_groups(
+        np.column_stack([alone, np.floor(part.vertices / cell), np.rint(moves(part) / _MOVE_MM), np.rint(normals)])
+    )
     if group.max() + 1 > _WORTH * count:
         return None
     keep = nearest_to_middle(part.vertices, group)

@@ -9,7 +9,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from mien.core.compiled import njit
 from mien.face.render.rasteriser import KEY, NX, NY, NZ, RED, U, V
@@ -38,6 +37,8 @@ def relief_share(mm_per_pixel: float) -> float:
 @cache
 def tile() -> NDArray[np.float32]:
     """One tile, shape (texels, texels, 3): slopes across and down, and how deep in a pore, 0..1."""
+    from scipy.ndimage import gaussian_filter
+
     rng = np.random.default_rng(5)
     step = TILE_MM / _TEXELS
     pits = np.zeros((_TEXELS, _TEXELS))

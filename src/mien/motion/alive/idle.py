@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mien.core import channels
 from mien.core.errors import InputError, unknown_name
+from mien.core.time_spans import places_within
 from mien.core.timeline import FrameRate
 from mien.core.utterance import PAUSE, Utterance
 from mien.motion.alive.gaze import HandMadeGaze
@@ -116,7 +117,8 @@ class HandMadeIdle:
         self._add_blinks(values, times, self.blink_times(utterance, for_blinks, manner), manner)
         if self.gaze:
             values += self._gaze.perform(utterance, times, for_gaze, score)
-        return values + self._head(utterance, rate, for_head, manner)
+        values += self._head(utterance, rate, for_head, manner)
+        return values
 
     def _head(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, manner: Manner) -> Floats:
         times = rate.times(rate.frames_covering(utterance.duration))
@@ -157,10 +159,12 @@ class HandMadeIdle:
         for moment in blinks:
             longer = manner.at("lids", moment)
             # The lids are shut during at least one frame at 25 frames per second: 1 from `moment` on.
-            closing = np.clip((times - (moment - longer * BLINK_CLOSE)) / (longer * BLINK_CLOSE), 0, 1)
-            opening = np.clip((times - moment - max(longer, 1.0) * BLINK_SHUT) / (longer * BLINK_OPEN), 0, 1)
+            begin, opens = moment - longer * BLINK_CLOSE, moment + max(longer, 1.0) * BLINK_SHUT
+            here = places_within(times, begin, opens + longer * BLINK_OPEN)
+            closing = np.clip((times[here] - begin) / (longer * BLINK_CLOSE), 0, 1)
+            opening = np.clip((times[here] - opens) / (longer * BLINK_OPEN), 0, 1)
             shape = np.sin(np.pi / 2 * closing) ** 2 * np.cos(np.pi / 2 * opening) ** 2
-            values[:, lids] = np.maximum(values[:, lids], shape[:, None])
+            values[here, lids] = np.maximum(values[here, lids], shape[:, None])
 
 
 def _rate_of(name: str, value: str) -> float:

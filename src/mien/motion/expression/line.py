@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mien.core import channels
 from mien.core.emotions import emotion_table
+from mien.core.time_spans import places_within, seconds_away
 from mien.core.timeline import FrameRate, Interval
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.stressed_vowels import stressed_words
@@ -24,6 +25,7 @@ from mien.speech.stressed_vowels import stressed_words
 __all__ = ["Line", "line_of"]
 
 Floats = NDArray[np.float64]
+_FAR = 6.5  # times its reach: an accent has less than 1e-18 left there
 _SIBILANTS = frozenset({"S", "Z", "SH", "ZH", "CH", "JH"})
 _JAW = channels.ALL.index("jawOpen")
 
@@ -80,8 +82,10 @@ def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
             not w.weak for w in words
         ]
         for word, share in zip(words, over, strict=True):
-            near = np.abs(times - (word.vowel_start + word.vowel_end) / 2) / table["reach"]
-            strength = strength + table["accent"] * share * np.exp(-(near**2))
+            middle, far = (word.vowel_start + word.vowel_end) / 2, _FAR * table["reach"]
+            here = places_within(times, middle - far, middle + far)
+            near = (times[here] - middle) / table["reach"]
+            strength[here] += table["accent"] * share * np.exp(-(near**2))
     jaw = mouth[:, _JAW]
     typical = float(jaw[heard > 0.5].mean()) if (heard > 0.5).any() else 0.0
     openness = np.clip(jaw / typical, 0.0, table["widest"]) if typical > 0 else np.ones(len(jaw))
@@ -97,7 +101,5 @@ def _heard(utterance: Utterance, times: Floats, settle: float) -> Floats:
 
 def _near(phones: Sequence[Interval], times: Floats, settle: float) -> Floats:
     """1 in these phones and 0 away from them, half a cosine of ``settle`` seconds between."""
-    away = np.full(len(times), np.inf)
-    for phone in phones:
-        away = np.minimum(away, np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0))
+    away = seconds_away(phones, times)
     return np.asarray((1 + np.cos(np.pi * np.clip(away / settle, 0.0, 1.0))) / 2)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.time_spans import is_within
 from mien.core.timeline import FrameRate, Tier
 from mien.core.utterance import PAUSE
 from mien.speech.rasta_plp import STEP, rasta_plp
@@ -44,9 +45,6 @@ def heard_features(audio: Audio, phones: Tier) -> Floats:
     values = rasta_plp(audio).values
     audio.rest()
     times = np.arange(len(values)) / SOUND_RATE.fps
-    speech = np.zeros(len(values), dtype=bool)
-    for phone in phones:
-        if phone.label != PAUSE:
-            speech |= (times >= phone.start) & (times < phone.end)
+    speech = is_within([phone for phone in phones if phone.label != PAUSE], times)
     told = values[speech] if speech.sum() >= _LEAST else values
     return np.asarray((values - told.mean(axis=0)) / np.maximum(told.std(axis=0), 1e-3))

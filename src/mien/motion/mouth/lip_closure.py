@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.poses import read_table
+from mien.core.time_spans import is_within, places_within, seconds_away
 from mien.core.timeline import Tier
 from mien.core.utterance import PAUSE
 from mien.motion.mouth.mouth_space import MouthSpace
@@ -103,13 +104,16 @@ class LipClosure:
         rows = rows.copy()
         opening = self.space.opening_of(rows)
         if self.apart_ and opening is not None:
-            for phone in phones:
-                kind = self.seals.get(phone.label, "")
-                reach = max(phone.duration / 2, SHORTEST_REACH)
-                near = np.flatnonzero(np.abs(times - phone.middle - self.delay_.get(kind, 0.0)) <= reach)
-                if kind in self.apart_ and len(near):
-                    closest = times[near[opening[near].argmin()]]
-                    self._draw_together(rows, _fade(np.abs(times - closest)), self.apart_[kind])
+            for phone in (one for one in phones if self.seals.get(one.label) in self.apart_):
+                kind, reach = self.seals[phone.label], max(phone.duration / 2, SHORTEST_REACH)
+                middle = phone.middle + self.delay_.get(kind, 0.0)
+                near = places_within(times, middle - reach, middle + reach)
+                if near.start < near.stop:
+                    closest = times[near][opening[near].argmin()]
+                    drawn = places_within(times, closest - HOLD - FLANK, closest + HOLD + FLANK)
+                    rows[drawn] = self._drawn_together(
+                        rows[drawn], _fade(np.abs(times[drawn] - closest)), self.apart_[kind]
+                    )
             rows = self._kept_apart(rows, phones, times)
         return self.space.parted(rows, self.closing_)
 
@@ -118,14 +122,9 @@ class LipClosure:
         rest = self.space.rest()
         if rest is None:
             return rows
-        free = np.zeros(len(times))
-        for phone in phones:
-            if phone.label not in self.seals and phone.label != PAUSE:
-                free[(times >= phone.start) & (times < phone.end)] = 1.0
-        for phone in phones:
-            if phone.label in self.seals or phone.label == PAUSE:
-                away = np.maximum(np.maximum(phone.start - times, times - phone.end), 0.0)
-                free = np.minimum(free, away / CLEAR)
+        shuts = [phone for phone in phones if phone.label in self.seals or phone.label == PAUSE]
+        open_ = [phone for phone in phones if phone.label not in self.seals and phone.label != PAUSE]
+        free = np.minimum(is_within(open_, times), seconds_away(shuts, times) / CLEAR)
         least = max(float(self._opening(rest[None])[0]), 0.0) + LEAST_APART
         lacking = np.maximum(least - self._opening(rows), 0.0)
         return np.asarray(rows + (free * lacking)[:, None] * self.closing_)
@@ -148,14 +147,16 @@ class LipClosure:
         found = self.space.opening_of(rows)
         return np.zeros(len(rows)) if found is None else found
 
-    def _draw_together(self, rows: Floats, strength: Floats, apart: float) -> None:
-        """Close along the learned way where the lips stand wider than ``apart``: by ``strength`` of the excess."""
+    def _drawn_together(self, rows: Floats, strength: Floats, apart: float) -> Floats:
+        """Closed along the learned way where the lips stand wider than ``apart``: by ``strength`` of the excess."""
+        rows = rows.copy()
         touched = np.flatnonzero(strength > 0)
         for _ in range(_STEPS):
             here = self.space.rows_from(self.space.motion_of(rows[touched]))
             excess = np.maximum(self._opening(here) - apart, 0.0)
             rows[touched] = here - (strength[touched] * excess)[:, None] * self.closing_
             strength = np.where(strength >= 1, 1.0, 0.0)  # the flanks are moved once, the hold until it is shut
+        return rows
 
 
 def _fade(distance: Floats) -> Floats:

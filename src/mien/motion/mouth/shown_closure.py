@@ -8,13 +8,12 @@ what lifts, lowers or rolls a single lip gives way. Hand-made.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core import channels
-from mien.core.timeline import Interval, Tier
+from mien.core.time_spans import seconds_away
+from mien.core.timeline import Tier
 
 __all__ = ["BILABIALS", "bilabial_seal", "close_lips"]
 
@@ -53,16 +52,8 @@ def bilabial_seal(seal: Floats, phones: Tier, times: Floats) -> Floats:
     >>> bilabial_seal(np.array([1.0, 0.2, 1.0]), phones, np.array([0.05, 0.12, 0.25])).tolist()
     [1.0, 0.2, 0.0]
     """
-    away = {both: _away([p for p in phones if p.label in labels], times) for both, labels in _SEALED.items()}
+    away = {both: seconds_away([p for p in phones if p.label in labels], times) for both, labels in _SEALED.items()}
     return np.where(away[True] < away[False], seal, 0.0)
-
-
-def _away(phones: Sequence[Interval], times: Floats) -> Floats:
-    """Seconds to the nearest of some phones, in order."""
-    starts = np.array([-np.inf, *(phone.start for phone in phones), np.inf])
-    ends = np.array([-np.inf, *(phone.end for phone in phones)])
-    place = np.searchsorted(starts[1:-1], times, side="right")
-    return np.asarray(np.maximum(np.minimum(times - ends[place], starts[place + 1] - times), 0.0))
 
 
 def close_lips(values: Floats, seal: Floats) -> Floats:
