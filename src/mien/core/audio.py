@@ -60,6 +60,7 @@ class Audio:
                 bad = start + _first_bad(block)
                 raise InputError(f"sound holds numbers that are not finite, first at sample {bad}")
             grid[start : start + _BLOCK] = np.clip(np.round(block / _STEP) * _STEP, -1.0, 1.0 - _STEP)
+            let_go(grid)
         grid.setflags(write=False)
         object.__setattr__(self, "samples", grid)
         object.__setattr__(self, "rate", int(rate))
@@ -136,8 +137,10 @@ class Audio:
         window = max(1, self.rate // 50)
         blocks = len(self.samples) // window
         body = self.samples[: blocks * window].reshape(blocks, window) if blocks else self.samples[None, :]
-        stretches = (body[start : start + 1000] for start in range(0, len(body), 1000))
-        power = max(((s.astype(np.float64) ** 2).mean(axis=1).max() if s.size else 0.0 for s in stretches), default=0.0)
+        power = 0.0
+        for start in range(0, len(body) if self.samples.size else 0, 1000):
+            power = max(power, (body[start : start + 1000].astype(np.float64) ** 2).mean(axis=1).max())
+            let_go(self.samples)
         return bool(np.sqrt(power) < 10 ** (threshold_db / 20))
 
     def write(self, path: str | Path) -> None:

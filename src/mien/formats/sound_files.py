@@ -16,7 +16,7 @@ from mien.core.audio import MAX_RATE, MIN_RATE, Audio
 from mien.core.border import reading
 from mien.core.errors import InputError, Note
 from mien.core.limits import check_begun, check_size, read_bytes
-from mien.core.long_arrays import LONG, long_array
+from mien.core.long_arrays import LONG, let_go, long_array
 from mien.formats.media import open_media
 
 if TYPE_CHECKING:
@@ -144,11 +144,11 @@ def _within_scale(mono: Samples, path: Path, notes: list[Note]) -> Samples:
     clipped = _clipped(mono)
     if clipped > _CLIPPED:
         notes.append(Note("warning", f"{path.name} is clipped ({clipped:.1%} of it cut flat): recorded too loud"))
-    offset = float(mono.mean(dtype=np.float64))
+    offset = sum(float(part.sum(dtype=np.float64)) for part in _parts(mono)) / len(mono)
     if abs(offset) > _OFFSET:
         notes.append(Note("note", f"{path.name} has a constant offset of {offset:+.2g} of full scale: taken out"))
         mono -= mono.dtype.type(offset)
-    loudest = float(max(mono.max(), -mono.min()))
+    loudest = max(float(np.abs(part).max()) for part in _parts(mono))
     if loudest > 1.0:
         if clipped <= _CLIPPED:
             notes.append(Note("note", f"{path.name} peaks at {loudest:.3g} of full scale: turned down to fit"))
@@ -158,14 +158,23 @@ def _within_scale(mono: Samples, path: Path, notes: list[Note]) -> Samples:
 
 def _clipped(mono: Samples) -> float:
     """The share of samples that lie at the very top or bottom, three and more in a row."""
-    count, top, bottom = 0, float(mono.max()), float(mono.min())
+    ends = [(float(part.max()), float(part.min())) for part in _parts(mono)]
+    count, top, bottom = 0, max(high for high, _ in ends), min(low for _, low in ends)
     for peak in (top, bottom) if top - bottom > _OFFSET else ():
         if abs(peak) <= _OFFSET:  # silence round an impulse is nothing cut flat
             continue
         for start in range(0, len(mono), _BLOCK):
             flat = np.abs(mono[start : start + _BLOCK] - peak) <= abs(peak) * (1.0 - _FULL)
             count += int((flat[:-2] & flat[1:-1] & flat[2:]).sum())
+            let_go(mono)
     return count / len(mono)
+
+
+def _parts(mono: Samples) -> Iterator[Samples]:
+    """A sound piece by piece: a long one, which lies on the disk, is in memory a piece at a time."""
+    for start in range(0, len(mono), _BLOCK):
+        yield mono[start : start + _BLOCK]
+        let_go(mono)
 
 
 def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples, _Sum]:
@@ -191,10 +200,14 @@ def _mixed(path: Path, channel: int | None, notes: list[Note]) -> tuple[Samples,
             kept = kept.astype(np.float32)
         if about.count > len(kept):  # twice the room, on the disk: nothing of an hour is held twice
             room = long_array(2 * about.count) if about.count > LONG * rate else np.empty(2 * about.count, kept.dtype)
-            room[:done] = kept[:done]
+            for start in range(0, done, _BLOCK):
+                room[start : min(start + _BLOCK, done)] = kept[start : min(start + _BLOCK, done)]
+                let_go(kept)
+                let_go(room)
             kept = room
         kept[done : about.count] = one
         done = about.count
+        let_go(kept)
     if about is None:
         raise InputError(f"{path}: expected at least {SHORTEST} s of sound, got none")
     return kept[:done], about

@@ -92,7 +92,12 @@ def loudness_spread(audio: Audio) -> float:
     frames = audio.samples[: len(audio.samples) // size * size].reshape(-1, size)
     if not len(frames):
         return QUIET_SPREAD
-    powers = 10 * np.log10(np.einsum("ij,ij->i", frames, frames, dtype=np.float64) / size + 1e-10)
+    powers = np.empty(len(frames))
+    for start in range(0, len(frames), 1000):
+        part = frames[start : start + 1000]
+        powers[start : start + 1000] = np.einsum("ij,ij->i", part, part, dtype=np.float64)
+        let_go(audio.samples)
+    powers = 10 * np.log10(powers / size + 1e-10)
     low, high = np.percentile(powers, [10, 95])
     return float(high - low)
 

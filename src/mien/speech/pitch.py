@@ -7,6 +7,7 @@ folder. It answers differently to a quiet recording than to the same one louder:
 from __future__ import annotations
 
 import weakref
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError
+from mien.core.long_arrays import let_go
 from mien.speech.onnx_runtime import forbid_telemetry
 
 if TYPE_CHECKING:
@@ -144,16 +146,23 @@ _last: tuple[weakref.ref[Audio], tuple[float, float], PitchContour] | None = Non
 
 def _contour(audio: Audio, lowest: float, highest: float) -> PitchContour:
     samples = audio.resampled(_RATE).samples
-    loudest = float(max(samples.max(), -samples.min())) if len(samples) else 0.0
+    loudest = max((float(np.abs(block).max()) for block in _blocks(samples)), default=0.0)
     if loudest == 0.0:
         times = _HOP / _RATE * np.arange(max(1, len(samples) // _HOP), dtype=np.float64)
         return PitchContour(times, np.full(len(times), np.nan), np.zeros(len(times)))
     gain, stream = np.float32(min(_PEAK / loudest, _MOST_GAIN)), _detector().stream(lowest, highest)
-    found = [stream.push(samples[start : start + _BLOCK] * gain, _RATE) for start in range(0, len(samples), _BLOCK)]
+    found = [stream.push(block * gain, _RATE) for block in _blocks(samples)]
     found.append(stream.flush())
     hertz, confidence = (np.concatenate([getattr(part, name) for part in found]) for name in ("pitch_hz", "confidence"))
     hertz = np.where(confidence >= _VOICED, hertz, np.nan)
     return PitchContour(np.concatenate([part.timestamps for part in found]), hertz, confidence)
+
+
+def _blocks(samples: NDArray[np.float32]) -> Iterator[NDArray[np.float32]]:
+    """A sound block by block; of a long one no more than that is in memory."""
+    for start in range(0, len(samples), _BLOCK):
+        yield samples[start : start + _BLOCK]
+        let_go(samples)
 
 
 def level_contour(audio: Audio, step: float = 0.016, window: float = 0.032) -> LevelContour:
@@ -184,6 +193,7 @@ def level_contour(audio: Audio, step: float = 0.016, window: float = 0.032) -> L
         begin = first[here][0]
         total = np.concatenate(([0.0], np.cumsum(audio.samples[begin : after[here][-1]].astype(np.float64) ** 2)))
         energy[here] = total[after[here] - begin] - total[first[here] - begin]
+        let_go(audio.samples)
     power = energy / np.maximum(after - first, 1)
     return LevelContour(times, 10 * np.log10(np.maximum(power, 10 ** (QUIETEST / 10))))
 

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.long_arrays import let_go
 
 __all__ = ["CEPSTRA", "RATE", "STEP", "WINDOW", "RastaPLP", "all_pole", "bark_weights", "cepstrum_of", "rasta_plp"]
 
@@ -95,13 +96,16 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
     (101, 9)
     """
     energies = _band_energies(audio.resampled(RATE).samples)
-    logs = np.log(energies)
+    logs = np.log(energies, out=energies)
     if rasta:
         logs = _filtered(logs)
-    heard = np.exp((logs + np.log(_equal_loudness())) / 3)  # equal loudness, then the cube root
-    heard[:, [0, -1]] = heard[:, [1, -2]]  # the outermost bands reach past the spectrum: their neighbours stand in
-    poles, gain = all_pole(heard, CEPSTRA - 1)
-    return RastaPLP(cepstrum_of(poles, gain))
+    values = np.empty((len(logs), CEPSTRA))
+    for first in range(0, len(logs), _BLOCK):  # an hour is not held many times over
+        here = slice(first, first + _BLOCK)
+        heard = np.exp((logs[here] + np.log(_equal_loudness())) / 3)  # equal loudness, then the cube root
+        heard[:, [0, -1]] = heard[:, [1, -2]]  # the outermost bands reach past the spectrum: their neighbours stand in
+        values[here] = cepstrum_of(*all_pole(heard, CEPSTRA - 1))
+    return RastaPLP(values)
 
 
 def _band_energies(samples: NDArray[np.float32]) -> Floats:
@@ -119,6 +123,7 @@ def _band_energies(samples: NDArray[np.float32]) -> Floats:
         heard = np.pad(heard, beyond, mode=mode)[more:]  # type: ignore[call-overload]
         windows = np.lib.stride_tricks.sliding_window_view(heard, width)[::hop]
         energies[first : first + _BLOCK] = np.abs(np.fft.rfft(windows * shape, _FFT, axis=1)) ** 2 @ weights.T
+        let_go(samples)
     return np.maximum(energies, max(QUIETEST * float(energies.max()), np.finfo(np.float64).tiny))
 
 
@@ -157,13 +162,14 @@ def _filtered(logs: Floats) -> Floats:
 
     Written out: importing scipy.signal for it takes longer than all else that a short sound needs.
     """
-    before = np.concatenate([np.repeat(logs[:1], 4, axis=0), logs])
-    driven = 0.1 * (2 * before[4:] + before[3:-1] - before[1:-3] - 2 * before[:-4])
+    filtered, past = np.empty_like(logs), np.repeat(logs[:1], 4, axis=0)
     held = np.zeros_like(logs[0])  # what a constant leaves behind: the numerator's terms add up to nothing
-    filtered: Floats = np.empty_like(driven)
-    for place, now in enumerate(driven):
-        held = now + POLE * held
-        filtered[place] = held
+    for first in range(0, len(logs), _BLOCK):
+        before = np.concatenate([past, logs[first : first + _BLOCK]])
+        driven, past = 0.1 * (2 * before[4:] + before[3:-1] - before[1:-3] - 2 * before[:-4]), before[-4:]
+        for place, now in enumerate(driven, start=first):
+            held = now + POLE * held
+            filtered[place] = held
     return filtered
 
 

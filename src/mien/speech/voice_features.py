@@ -142,13 +142,13 @@ def _semitones(pitch: PitchContour) -> _Array:
 
 def _spectra(samples: NDArray[np.floating], frames: slice, gain: float) -> NDArray[np.float32]:
     """Power spectra of Hann windows centred on some frames, in single precision and made in blocks."""
-    begin = HOP * frames.start - WINDOW // 2
-    heard = samples[max(begin, 0) : HOP * frames.stop + WINDOW] * samples.dtype.type(gain)
-    padded = np.pad(heard.astype(np.float32), (max(-begin, 0), 2 * WINDOW))
     found = np.empty((frames.stop - frames.start, WINDOW // 2 + 1), np.float32)
     for first in range(0, len(found), _BLOCK):
-        starts = HOP * np.arange(first, min(first + _BLOCK, len(found)))
-        windows = padded[starts[:, None] + np.arange(WINDOW)] * np.hanning(WINDOW)
+        count = min(_BLOCK, len(found) - first)
+        begin = HOP * (frames.start + first) - WINDOW // 2
+        heard = samples[max(begin, 0) : max(begin + HOP * count + WINDOW, 0)] * samples.dtype.type(gain)
+        padded = np.pad(heard.astype(np.float32), (max(-begin, 0), 2 * WINDOW))
+        windows = padded[HOP * np.arange(count)[:, None] + np.arange(WINDOW)] * np.hanning(WINDOW)
         found[first : first + _BLOCK] = np.abs(np.fft.rfft(windows, axis=1)) ** 2
     return found
 

@@ -22,7 +22,7 @@ from mien.motion.graph.recorded_residuals import RecordedResiduals
 from mien.motion.graph.sound import heard_features
 from mien.motion.mouth.mouth_space import MouthSpace
 from mien.motion.mouth.speech_motion import SpeechMotion, SpeechMotionSettings
-from mien.motion.mouth.spread import APART
+from mien.motion.mouth.spread import APART, instants_about
 
 __all__ = ["CombinedMotion", "CombinedMotionSettings", "learned_residuals", "residuals_of"]
 
@@ -100,8 +100,11 @@ class CombinedMotion:
             return self.speech_.synthesise(phones, times)
         said = covering(phones, float(times.min()) - APART, float(times.max()) + APART)
 
+        about = instants_about(times) if self.speech_.spread_ is not None else times
+        beside = self.residuals_.curve(said, float(about.min()), float(about.max()), features, felt)
+
         def answer(instants: Floats) -> Floats:
-            return self.speech_.components(phones, instants) + self.residuals_.at(said, instants, features, felt)
+            return self.speech_.components(phones, instants) + beside(instants)
 
         return self.speech_.finished(answer, phones, times)
 

@@ -205,6 +205,12 @@ class RecordedResiduals:
         felt : Tier or None
             Where which emotion is asked for.
         """
+        return self.curve(phones, float(times.min()), float(times.max()), features, felt)(times)
+
+    def curve(
+        self, phones: Tier, first: float, last: float, features: Floats | None, felt: Tier | None = None
+    ) -> Callable[[Floats], Floats]:
+        """`at` for any times from ``first`` to ``last``: what is looked for is found once."""
         weights = self.weights_ if features is not None else self.deaf_weights_
         knots, values = [], []
         for said, phone in zip(self._asked(phones, features, felt), phones, strict=True):
@@ -213,12 +219,12 @@ class RecordedResiduals:
         curve = np.array(values)
         middle = (curve[1:, 0] + curve[:-1, -1]) / 2  # where phones meet their two answers are averaged
         curve[1:, 0], curve[:-1, -1] = middle, middle
-        first = np.floor(times.min() * GRID_RATE)
-        grid = (first + np.arange(np.ceil(times.max() * GRID_RATE) - first + 1)) / GRID_RATE
+        begin = np.floor(first * GRID_RATE)
+        grid = (begin + np.arange(np.ceil(last * GRID_RATE) - begin + 1)) / GRID_RATE
         at, flat = np.concatenate(knots), curve.reshape(-1, curve.shape[2])
         joined = np.stack([np.interp(grid, at, column) for column in flat.T], axis=1)
         smooth = low_passed(joined, GRID_RATE, np.full(joined.shape[1], CUT_OFF))
-        return np.stack([np.interp(times, grid, column) for column in smooth.T], axis=1)
+        return lambda times: np.stack([np.interp(times, grid, column) for column in smooth.T], axis=1)
 
     def _asked(self, phones: Tier, features: Floats | None, felt: Tier | None) -> list[_Said]:
         names = self.graph.emotion_names

@@ -47,4 +47,8 @@ def heard_features(audio: Audio, phones: Tier) -> Floats:
     times = np.arange(len(values)) / SOUND_RATE.fps
     speech = is_within([phone for phone in phones if phone.label != PAUSE], times)
     told = values[speech] if speech.sum() >= _LEAST else values
-    return np.asarray((values - told.mean(axis=0)) / np.maximum(told.std(axis=0), 1e-3))
+    mean, spread = told.mean(axis=0), np.maximum(told.std(axis=0), 1e-3)
+    del told
+    values -= mean
+    values /= spread
+    return values

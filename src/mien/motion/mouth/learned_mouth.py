@@ -44,6 +44,7 @@ DEPTH = 0.1
 """How much the depth of a marker counts where one camera saw it, against its height and its side."""
 BY_CAMERA = "mediapipe-218"
 """The layout of markers that one camera saw."""
+_BLOCK = 4096  # frames
 _TONGUE = [channels.ALL.index(name) for name in (*channels.TONGUE, "tongueOut")]
 STAYS, LEAVES, EASE = 0.12, 0.05, 0.2
 """Seconds after speech in which the mouth stays as it learned to, before speech in which it moves so, and in which it
@@ -108,8 +109,10 @@ class LearnedMouth:
         on_teeth = [phone.label in _LIP_ON_TEETH for phone in utterance.phones]
         share = self.hand_made.share_of(utterance, rate, unknown)
         share = np.maximum(share, self.hand_made.share_of(utterance, rate, on_teeth) ** _ON_TEETH_SHARPNESS)[:, None]
-        values = values * (1 - share) + hand_made.values * share
         values[:, _TONGUE] = hand_made.values[:, _TONGUE]
+        for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
+            here = slice(first, first + _BLOCK)
+            values[here] = values[here] * (1 - share[here]) + hand_made.values[here] * share[here]
         return MouthMotion(values=values, seal=hand_made.seal, markers=markers)
 
     def on_face(self, motion: Floats, rate: FrameRate) -> Floats:

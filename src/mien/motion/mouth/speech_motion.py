@@ -8,6 +8,7 @@ never learned the two together are better than either alone (docs/results.md).
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -41,6 +42,8 @@ SPREAD_TAKES = 200
 """Takes on which the size of the motion is measured, at most."""
 BLOCK = 1024
 """Frames that are synthesised at once, which bounds the memory."""
+SIGHT = 2.0
+"""Seconds within which phones count; the nearest ones count from farther away, too."""
 
 Floats = NDArray[np.float64]
 
@@ -236,11 +239,19 @@ class SpeechMotion:
         """Components of the pose in `space_`, closures not held, shape (frames, components)."""
         if len(times) > BLOCK:
             blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
-            return np.concatenate([self.components(phones, block) for block in blocks])
+            return np.concatenate([self.components(self._about(phones, block), block) for block in blocks])
         answer = np.empty((len(times), len(self.delays_)))
         for delay in np.unique(self.delays_):
             answer[:, self.delays_ == delay] = self._answered(phones, times - delay)[:, self.delays_ == delay]
         return answer
+
+    def _about(self, phones: Tier, times: Floats) -> Tier:
+        """The phones that can be seen from some instants: all of an hour would be looked through for every block."""
+        more = self.settings.influence.neighbours + 1
+        first = bisect_left(phones.intervals, times.min() - SIGHT, key=lambda phone: phone.end) - more
+        after = bisect_right(phones.intervals, times.max() + SIGHT, key=lambda phone: phone.start) + more
+        whole = first <= 0 and after >= len(phones)
+        return phones if whole else Tier(phones.name, phones.intervals[max(first, 0) : after])
 
     def _answered(self, phones: Tier, times: Floats) -> Floats:
         """What curves and networks answer."""

@@ -27,6 +27,7 @@ APART = 0.04
 MOST_GAIN = 1.4
 MOST_SHARPNESS = 0.3
 _STEP = 0.01
+_BLOCK = 4096  # frames
 
 Floats = NDArray[np.float64]
 
@@ -84,9 +85,13 @@ class RecordedSpread:
 
     def of(self, answer: Callable[[Floats], Floats], times: Floats) -> Floats:
         """What a model answers at the given times, as large and as quick as recorded, shape (frames, components)."""
-        before, at, after = np.split(answer(instants_about(times)), 3)
-        away = at - self.centre_ + self.sharpness_ * (2 * at - before - after)
-        return np.asarray(self.centre_ + self.gain_ * away)
+        found = np.empty((len(times), len(self.centre_)))
+        for first in range(0, len(times), _BLOCK):  # a long line is not held many times over
+            here = slice(first, first + _BLOCK)
+            before, at, after = np.split(answer(instants_about(times[here])), 3)
+            away = at - self.centre_ + self.sharpness_ * (2 * at - before - after)
+            found[here] = self.centre_ + self.gain_ * away
+        return found
 
 
 def _speed(curves: Floats, borders: NDArray[np.int64]) -> Floats:
