@@ -12,6 +12,7 @@ from mien.core.timeline import Interval, Tier
 from mien.core.tracks import MarkerTrack
 from mien.corpus.recordings import Corpus, identity_of
 from mien.motion.learning import LearningSettings, learn, learn_corpus
+from mien.motion.mouth import influence, speech_motion
 from mien.motion.mouth.articulation import articulation_table
 from mien.motion.mouth.coarticulation import CoarticulationSettings
 from mien.motion.mouth.correction import CorrectionSettings
@@ -53,6 +54,16 @@ def test_new_sentences_move_as_their_speaker_would(model):
         made = model.synthesise(said.phones, at)
         assert np.corrcoef(opening(made), opening(said.markers.positions))[0, 1] > 0.9
         assert np.sqrt(((made - said.markers.positions) ** 2).sum(axis=2).mean()) < 1.2
+
+
+def test_a_block_of_a_long_line_looks_at_its_own_phones_alone(model, monkeypatch):
+    phones, times, seen = tier(["SIL", *["B", "AA", "S", "IY"] * 200, "SIL"], 0.1), np.arange(0, 80, 0.02), []
+    cut = influence.parts_of
+    monkeypatch.setattr(influence, "parts_of", lambda told: seen.append(len(told)) or cut(told))
+    made = model.synthesise(phones, times)
+    assert sum(seen) < 12 * len(phones)  # three instants a frame, in blocks of twenty seconds with what lies about them
+    monkeypatch.setattr(speech_motion, "BLOCK", 10**9)
+    assert np.allclose(made, model.synthesise(phones, times), atol=1e-9)
 
 
 def test_the_explicit_part_is_what_is_learned_without_a_network(model, recorded):
