@@ -327,8 +327,9 @@ def _textures(parts: tuple[Part, ...]) -> tuple[NDArray[np.uint8], NDArray[np.ui
                 used, wide, tall = used + wide * tall, max(1, wide // 2), max(1, tall // 2)
     texels, alphas = np.full((used, 3), 255, np.uint8), np.full(used, 255, np.uint8)
     for part, places in zip(parts, levels, strict=True):
-        picture = part.material.texture
-        for first, wide, tall in places.tolist() if picture is not None else ():
+        if (picture := part.material.texture) is None:
+            continue
+        for first, wide, tall in places.tolist():
             here = slice(first, first + wide * tall)
             texels[here] = picture[:, :, :3].reshape(-1, 3)
             if picture.shape[2] == 4:
