@@ -39,7 +39,7 @@ __all__ = [
 X, Y, NEAR, NX, NY, NZ, RED, GREEN, BLUE, ALPHA, HEAD_ON, KEY, DOME, U, V, SOLID = range(16)
 COLUMNS = 16
 BAND, BLOCK = 16, 16  # rows and columns
-_MEASURED = 300  # after so many triangles of a part it is looked again what they hide
+_MEASURED = 500  # after so many triangles of a part it is looked again what they hide
 SAMPLES = np.array([[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]])
 SAME_SURFACE_MM = 1.2
 _NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
@@ -201,16 +201,9 @@ def _fill(t, points, a, b, c, top, rows, left, wide, stride, nearest):
     w = wx * (x - cx) + wy * (y - cy) - _beside(wx, wy)
     n = _STEPS * an + nx * (x - ax) + ny * (y - ay)
     for row in range(first, last):
-        low, high = 0.0, float(end - begin)
-        if end - begin > 4:  # of what is long and slanting, only the pixels that this row has of it
-            low, high = _narrowed(u, ux, uy, low, high)
-            low, high = _narrowed(v, vx, vy, low, high)
-            low, high = _narrowed(w, wx, wy, low, high)
-        skipped = int(low)
-        at = np.uint64(4 * (row * stride + begin + skipped))  # without a sign: what may be below 0 is looked at twice
-        far = 256.0 * skipped
-        ru, rv, rw, rn = u + far * ux, v + far * vx, w + far * wx, n + far * nx
-        for _ in range(skipped, int(high), 4):
+        at = np.uint64(4 * (row * stride + begin))  # without a sign: what may be below 0 is looked at twice
+        ru, rv, rw, rn = u, v, w, n
+        for _ in range(begin, end, 4):
             for s in range(16):
                 dx, dy = _OFFSET_X[s], _OFFSET_Y[s]
                 inside = (ru + ux * dx + uy * dy >= 0.0) & (rv + vx * dx + vy * dy >= 0.0)
@@ -221,20 +214,6 @@ def _fill(t, points, a, b, c, top, rows, left, wide, stride, nearest):
             at += np.uint64(16)
             ru, rv, rw, rn = ru + 1024.0 * ux, rv + 1024.0 * vx, rw + 1024.0 * wx, rn + 1024.0 * nx
         u, v, w, n = u + 256.0 * uy, v + 256.0 * vy, w + 256.0 * wy, n + 256.0 * ny
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _narrowed(value, right, down, low, high):
-    """Of the pixels from ``low`` to ``high`` of a row, those in which an edge function may be 0 or more.
-
-    It has this ``value`` at the corner of pixel 0, and grows so much to the ``right`` and ``down``.
-    """
-    most = value + max(256.0 * down, 0.0)
-    if right > 0.0:
-        low = max(low, min(-most / (256.0 * right) - 2.0, high))
-    elif right < 0.0:
-        high = min(high, max(-most / (256.0 * right) + 2.0, low))
-    return low, high
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
