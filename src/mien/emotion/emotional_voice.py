@@ -180,10 +180,16 @@ def _shaped(
     def over(curve: Floats) -> Floats:
         return np.interp(times, new, curve)
 
-    moved = coloured(moved, audio.rate, over(figures["tilt"]), over(figures["breath"]), random)
+    tilt = figures["tilt"] * _voicing(pitch, old)
+    moved = coloured(moved, audio.rate, over(tilt), over(figures["breath"]), random)
     moved *= 10 ** (over(_lost_level(audio, Audio(moved, audio.rate), old, new)) / 20)
     gain = figures["level"] + figures["stress"] * (accent - _at_words(utterance, accent, old))
     return limited(moved * 10 ** (over(gain) / 20))
+
+
+def _voicing(pitch: PitchContour, old: Floats) -> Floats:
+    """1 where the voice sounds, 0 elsewhere, straight between frames: effort brightens the voice, not a hiss."""
+    return np.interp(old, pitch.times, pitch.voiced.astype(np.float64)) if len(pitch) else np.zeros(len(old))
 
 
 def _lost_level(before: Audio, after: Audio, old: Floats, new: Floats) -> Floats:
