@@ -26,6 +26,7 @@ from mien.emotion.emotion_samples import VOICE, features_of
 from mien.emotion.emotional_voice import with_feeling
 from mien.speech.pitch import level_contour, pitch_contour
 from mien.speech.synthesis import synthesise
+from mien.speech.voices import get_voice
 from mien.text.normalisation import spoken_words
 from mien.text.score import EmotionSpan, Score
 
@@ -67,8 +68,11 @@ def measured(said: Utterance) -> dict[str, float]:
 
 def spoken_by(voice: str, sentences: int) -> dict[str, list[Utterance]]:
     plain = [synthesise(text, voice=voice) for text in SENTENCES[:sentences]]
+    carried = get_voice(voice).feeling
     return {
-        emotion: [with_feeling(said, Score((EmotionSpan(emotion),)), seed=n) for n, said in enumerate(plain)]
+        emotion: [
+            with_feeling(said, Score((EmotionSpan(emotion),)), seed=n, carried=carried) for n, said in enumerate(plain)
+        ]
         for emotion in EMOTIONS
     }
 

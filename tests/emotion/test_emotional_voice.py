@@ -143,3 +143,12 @@ def test_silence_and_a_line_without_words() -> None:
     nothing = Utterance("", Audio.silence(1.0, RATE), Tier("words", ()), pause, "en-US", "none")
     moved = with_feeling(nothing, felt("angry"))
     assert not moved.audio.samples.any()
+
+
+def test_a_voice_that_carries_less_changes_less_in_the_same_direction(line: Utterance) -> None:
+    plain = heard(line)["pitch"]
+    full, part = (
+        heard(with_feeling(line, felt("happy"), carried=share))["pitch"] - plain for share in ({}, {"pitch": 0.5})
+    )
+    assert full > 4.0
+    assert 0.3 * full < part < 0.7 * full

@@ -7,9 +7,10 @@ words and phones keep to the sound.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,7 @@ FIGURES = {
     "tremor": 0.0,
 }
 """What an emotion changes, and what it is without one."""
+_ALL: Mapping[str, float] = MappingProxyType({})
 _OF_THE_USER = {
     "rate": ("rate", "pauses"),
     "pitch": ("pitch", "range", "end", "accents"),
@@ -78,6 +80,7 @@ def with_feeling(
     amount: float = 1.0,
     kept: Sequence[Kept] = (),
     seed: int = 0,
+    carried: Mapping[str, float] = _ALL,
 ) -> Utterance:
     """An utterance spoken with what is felt; the same one where nothing is.
 
@@ -93,6 +96,8 @@ def with_feeling(
     kept : sequence of Kept
     seed : int
         Of breath and tremor.
+    carried : mapping of str to float
+        Of a figure, the share that this voice carries (`mien.speech.voices.Voice.feeling`); 1 for what is not there.
 
     Examples
     --------
@@ -109,6 +114,8 @@ def with_feeling(
     new = old
     for _ in range(_ROUNDS):
         figures = _figures(at_words.emotions, at_seconds.emotions, old, new, amount)
+        for name, share in carried.items():
+            figures[name] = FIGURES[name] + share * (figures[name] - FIGURES[name])
         for stretch in kept:
             _keep(figures, old, stretch)
         new = _moved(old, figures, pause)

@@ -18,7 +18,7 @@ from mien.pipeline.spoken import Spoken
 from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_sound, with_pauses
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.commands import CommandLibrary, shipped_library
-from mien.text.languages import read_words
+from mien.text.languages import find_language, read_words
 from mien.text.languages.language_detection import note_on_language
 from mien.text.normalisation import spoken_words
 from mien.text.score import UNDIRECTED, Score
@@ -74,7 +74,8 @@ def speak(
         If a voice is not installed.
     """
     joined = _spoken(script, voice or script.voice, seed, language or script.language, synthesiser)
-    felt = _felt(_reshaped(joined, script), script, score, voice_emotion, seed)
+    carried = partial(_carried, script, voice or script.voice, language or script.language)
+    felt = _felt(_reshaped(joined, script), script, score, voice_emotion, seed, carried)
     changed = _with_room(felt, script, library or shipped_library())
     return place(script, changed, library)
 
@@ -224,7 +225,25 @@ def _reshaped(joined: Joined, script: Script) -> Joined:
     return replace(joined, utterance=reshape(joined.utterance, changes))
 
 
-def _felt(joined: Joined, script: Script, score: Score, amount: float, seed: int) -> Joined:
+def _carried(script: Script, voice: str | None, language: str | Path | None) -> dict[str, float]:
+    """What the voices that speak carry of an emotion: of each figure what the weakest does."""
+    from mien.speech.voices import get_voice
+
+    found: dict[str, float] = {}
+    for asked in dict.fromkeys(segment.voice for segment in script.segments):
+        own, _ = _own_voice(asked)
+        try:
+            speaker = get_voice(own or voice, None if own else find_language(language))
+        except MienError:  # it has spoken: by a `Synthesiser` of the caller's, whose voices are none of the catalogue's
+            continue
+        for name, share in speaker.feeling.items():
+            found[name] = min(share, found.get(name, 1.0))
+    return found
+
+
+def _felt(
+    joined: Joined, script: Script, score: Score, amount: float, seed: int, carried: Callable[[], dict[str, float]]
+) -> Joined:
     """Spoken with what is felt; rate, pitch and volume that the script sets stay as set."""
     if joined.utterance.timing == "none" or not (script.emotions or score.emotions):
         return joined
@@ -235,7 +254,7 @@ def _felt(joined: Joined, script: Script, score: Score, amount: float, seed: int
         asked = {"rate": item.rate, "pitch": item.pitch, "volume": item.volume}
         kept.append(Kept(start, end, frozenset(name for name, value in asked.items() if value is not None)))
     at_words = Score(emotions_at(script.emotions, clock))
-    return replace(joined, utterance=with_feeling(joined.utterance, at_words, score, amount, kept, seed))
+    return replace(joined, utterance=with_feeling(joined.utterance, at_words, score, amount, kept, seed, carried()))
 
 
 def _with_room(joined: Joined, script: Script, library: CommandLibrary) -> Joined:

@@ -44,6 +44,9 @@ class Espeak(Voice):
     own_pronunciation = True
     realign = False
 
+    def __init__(self) -> None:
+        self.feeling = _settings()["feeling"]
+
     def availability(self) -> Availability:
         """Whether its library is found: in the pip package ``espeakng-loader`` or on the system."""
         return _availability()
@@ -68,6 +71,7 @@ class EspeakLanguage(Voice):
         self.sounds = "male"
         self.language = language.tag
         self.own_language = language
+        self.feeling = _settings()["feeling"]
         self._request = {
             "voice": language.espeak,
             "speed": int(language.table.get("words_per_minute", _DEFAULT_SPEED)),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from mien.core.audio import Audio
 from mien.core.errors import MissingPartError, Note
@@ -83,6 +85,9 @@ class Voice(ABC):
     realign : bool
         Whether a forced alignment of the sound gives better phone times than the engine's own. Measured by
         ``benchmarks/voices.py`` (``docs/tables/voices.md``).
+    feeling : mapping of str to float
+        Of what an emotion does to a voice (`mien.emotion.emotional_voice.FIGURES`) the share that this one carries; 1
+        for what is not there.
     """
 
     name: str
@@ -94,6 +99,7 @@ class Voice(ABC):
     realign: bool
     own_language: Language | None = None
     sounds: str = ""
+    feeling: Mapping[str, float] = MappingProxyType({})
 
     @abstractmethod
     def availability(self) -> Availability:
