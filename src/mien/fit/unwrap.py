@@ -265,7 +265,8 @@ def _solved(rows: Indices, columns: Indices, weights: Floats, held: Floats) -> F
     for axis in range(2):
         right[:, axis] = np.bincount(rows[~inner], (weights * held[columns, axis])[~inner], len(free))
     places = held.copy()
-    places[free] = splu((sparse.identity(len(free)) - inside).tocsc()).solve(right)
+    system = (sparse.identity(len(free)) - inside).tocsc()
+    places[free] = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
     return places
 
 
