@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -65,6 +67,12 @@ def test_other_texture_coordinates_have_no_folds(renderer: Renderer) -> None:
     skin = renderer.face.part("skin")
     assert folds_of(skin, levels[0][levels[0][:, 1] > 0]) is not None
     assert all(folds_of(part, levels[0]) is None for part in renderer.face.parts if part.name != "skin")
+
+
+def test_a_skin_without_folds_has_none() -> None:
+    part = next(p for p in load_face("default").parts if p.name == "skin")
+    smooth = replace(part, material=replace(part.material, folds=0.0))
+    assert folds_of(smooth, np.array([[0, 8, 8]], np.int32)) is None
 
 
 def test_a_fold_has_the_same_size_in_every_level() -> None:

@@ -117,6 +117,8 @@ def layout_digest(uv: NDArray[np.float32]) -> str:
 def folds_of(part: Part, sizes: NDArray[np.int32]) -> Folds | None:
     """The folds of a part that has the default skin's texture coordinates and a texture; None for any other.
 
+    A material whose ``folds`` is 0 has none.
+
     Parameters
     ----------
     part : Part
@@ -124,7 +126,7 @@ def folds_of(part: Part, sizes: NDArray[np.int32]) -> Folds | None:
         First texel, width and height of each level of its texture.
     """
     layout, folds = drawn_folds()
-    if part.material.texture is None or layout_digest(part.uv) != layout:
+    if part.material.texture is None or not part.material.folds or layout_digest(part.uv) != layout:
         return None
     return Folds(tuple(replace(f, shade=part.material.folds * f.shade) for f in folds), sizes)
 
