@@ -199,8 +199,18 @@ def _pictures() -> list[Finding]:
         detail = f"PyAV {av.__version__}, {use}{licence}" if present else lacking
         found.append(Finding(f"codec {codec}", "ok" if present else "missing", detail))
     found.append(Finding("renderer", "ok", "own rasteriser on the processor: needs no GPU and no system package"))
-    found += [_usd(), _fbx()]
+    found += [_graphics_card(), _usd(), _fbx()]
     return found
+
+
+def _graphics_card() -> Finding:
+    from mien.core.errors import MissingPartError
+    from mien.face.render.graphics_card import graphics_card
+
+    try:
+        return Finding("graphics card", "ok", f"{graphics_card().name}: --painter gpu")
+    except MissingPartError as problem:
+        return Finding("graphics card", "optional", str(problem))
 
 
 def _fbx() -> Finding:

@@ -1,4 +1,4 @@
-"""``--size --camera --crop --background --light --quality``: how pictures show the face, the same for every command."""
+"""``--size --camera --crop --background --light --quality --painter``: pictures of the face, for every command."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VIEW_OPTIONS", "add_view_options", "given_view_options", "view_of"]
 
-VIEW_OPTIONS = ("size", "camera", "crop", "background", "light", "quality")
+VIEW_OPTIONS = ("size", "camera", "crop", "background", "light", "quality", "painter")
 
 
 def add_view_options(parser: Any) -> None:
@@ -28,6 +28,11 @@ def add_view_options(parser: Any) -> None:
         "--light", metavar="NAME|X.toml", help="portrait, soft, even, dramatic, or a file (default portrait)"
     )
     group.add_argument("--quality", metavar="draft|full|best", help="trade speed for quality and size (default full)")
+    group.add_argument(
+        "--painter",
+        metavar="processor|gpu",
+        help="what draws; gpu: a graphics card, pip install 'mien[gpu]' (default processor)",
+    )
 
 
 def given_view_options(options: argparse.Namespace) -> dict[str, str]:

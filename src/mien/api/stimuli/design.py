@@ -47,7 +47,7 @@ class Stimulus:
         Empty for a video; else the time of the one picture.
     crop : str
         What of the face is seen: ``oval``, the name of a camera, or pixels as `View` has it.
-    background, camera, light, quality : str
+    background, camera, light, quality, painter : str
         As `mien.face.render.view.View` has them; empty: as usual.
     where : str
         The file and line it comes from, for messages.
@@ -69,6 +69,7 @@ class Stimulus:
     camera: str = ""
     light: str = ""
     quality: str = ""
+    painter: str = ""
     fps: str = "25"
     seed: int = 0
     performer: str = "default"
@@ -91,7 +92,8 @@ class Stimulus:
             raise InputError(f"crop {self.crop} and camera {self.camera} both say what is seen: give one of them")
         camera, crop = (self.camera, self.crop) if cut else (self.camera or self.crop, "")
         light, quality = self.light or "portrait", self.quality or "full"
-        return View(self.width, self.height, camera, light, self.background, crop, quality)
+        painter = self.painter or "processor"
+        return View(self.width, self.height, camera, light, self.background, crop, quality, painter)
 
     def settings(self) -> dict[str, Any]:
         """The columns with their values."""

@@ -20,6 +20,7 @@ __all__ = [
     "BAND",
     "BLOCK",
     "COLUMNS",
+    "NEAREST_MM",
     "SAME_SURFACE_MM",
     "SAMPLES",
     "SOLID",
@@ -42,9 +43,9 @@ BAND, BLOCK = 16, 16  # rows and columns
 _MEASURED = 500  # after so many triangles of a part it is looked again what they hide
 SAMPLES = np.array([[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]])
 SAME_SURFACE_MM = 1.2
-_NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
+NEAREST_MM = 10.0  # nothing nearer to the camera is drawn
 # A sample is one number: 1/depth in steps so fine that a metre away they are 0.05 micrometres, then the triangle.
-_STEPS = 2.0**31 * _NEAREST_MM
+_STEPS = 2.0**31 * NEAREST_MM
 _SHIFT = np.int64(1) << 32
 _TRIANGLE = _SHIFT - 1
 # Of the samples of four pixels in a row, from the corner of the first, in 1/256 pixels.
@@ -58,7 +59,7 @@ def project(vertices, place, axes, focal, width, height, points):
     for v in range(vertices.shape[0]):
         x, y, z = vertices[v, 0] - place[0], vertices[v, 1] - place[1], vertices[v, 2] - place[2]
         depth = -(axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z)
-        if depth < _NEAREST_MM:
+        if depth < NEAREST_MM:
             points[v, NEAR] = 0.0
             continue
         share = 1.0 / depth

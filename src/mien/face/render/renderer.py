@@ -23,17 +23,17 @@ from mien.face.render.relief import relief_share, tile
 from mien.face.render.scene import LEVELS, Scene
 from mien.face.render.shading import draw
 
-__all__ = ["MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer"]
+__all__ = ["LINEAR_OF_BYTE", "MAX_SIDE", "SPREAD_STEPS", "Picture", "Renderer", "Room"]
 
 Picture = NDArray[np.uint8]
 MAX_SIDE = 8192
-_LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
+LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255)
 SPREAD_STEPS = 2
 _FINE_MM = 0.6  # a pixel
 _CROWN_MM = 119.0  # over the eyes, of an adult
 
 
-class _Room:
+class Room:
     """Room for what one picture needs on its way."""
 
     def __init__(self, scene: Scene, height: int, width: int, folded: bool) -> None:
@@ -46,6 +46,7 @@ class _Room:
         self.points[:, [raster.U, raster.V]] = scene.uv
         self.points[:, raster.SOLID] = scene.solid
         self.texels = scene.texels.copy() if folded else scene.texels
+        self.changed: list[slice] = []  # texels that the last folds may have changed
 
 
 class Renderer:
@@ -112,12 +113,12 @@ class Renderer:
         if backdrop is None:
             self.behind, self.backdrop = _background(self.lighting, width, height, self.noise)
         else:
-            self.behind, self.backdrop = _LINEAR_OF_BYTE[backdrop], np.ascontiguousarray(backdrop)
+            self.behind, self.backdrop = LINEAR_OF_BYTE[backdrop], np.ascontiguousarray(backdrop)
         # Threads take stretches of this list; busy and empty bands should be spread over them.
         bands = -(-height // raster.BAND)
         self._order = np.argsort(np.arange(bands) % 8, kind="stable")
         self._threads, self._lock, self._drawing = cores(), Lock(), 0
-        self._rooms: list[_Room] = []
+        self._rooms: list[Room] = []
 
     def render(self, posed: PosedFace) -> Picture:
         """Draw a posed face.
@@ -149,15 +150,15 @@ class Renderer:
                 self._drawing -= 1
                 self._rooms.append(room)
 
-    def _room(self) -> _Room:
-        return _Room(self.scene, self.height, self.width, bool(self._folds))
+    def _room(self) -> Room:
+        return Room(self.scene, self.height, self.width, bool(self._folds))
 
     def _drawn(
         self,
         posed: PosedFace,
         vertices: NDArray[np.float32],
         normals: NDArray[np.float32],
-        room: _Room,
+        room: Room,
         threads: int,
     ) -> Picture:
         scene, camera, lights = self.scene, self.camera, self.lighting
@@ -189,7 +190,7 @@ class Renderer:
             draw(
                 points, scene.triangles, scene.triangle_part, room.planes, room.level, reach, self._order, begin, end,
                 room.fragments, room.counts, texels, scene.texture_level, view, focal, lights.directions,
-                lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure, _LINEAR_OF_BYTE, SRGB_BYTES,
+                lights.colours, lights.sky, self.behind, self.backdrop, lights.exposure, LINEAR_OF_BYTE, SRGB_BYTES,
                 self.noise, scene.tiles, self.relief_share, tile(), picture,
             )  # fmt: skip
 
@@ -200,14 +201,17 @@ class Renderer:
         """The texels of all parts with the folds that a pose has, shape (n, 3)."""
         return self._folded(posed, self._room(), None)
 
-    def _folded(self, posed: PosedFace, room: _Room, seen: NDArray[np.bool_] | None) -> NDArray[np.uint8]:
+    def _folded(self, posed: PosedFace, room: Room, seen: NDArray[np.bool_] | None) -> NDArray[np.uint8]:
         """Of textures on triangles that are ``seen`` only the levels that are read are right."""
         finest = np.full(len(self.scene.sheet), 0 if seen is None else LEVELS - 1, dtype=np.int8)
         if seen is not None and self._folds:
             raster.finest_levels(seen, self.scene.triangle_part, room.level, finest)
+        room.changed = []
         for folds, smooth, number in self._folds:
-            first = int(self.scene.texture_level[number, finest[number], 0])
+            levels = self.scene.texture_level[number]
+            first = int(levels[finest[number], 0])
             folds.lay(folds.weights(posed.channels), smooth, room.texels, first)
+            room.changed.append(slice(first, int(levels[-1, 0] + levels[-1, 1] * levels[-1, 2])))
         return room.texels
 
     def empty(self) -> Picture:

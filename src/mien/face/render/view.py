@@ -18,11 +18,22 @@ from mien.face.render.camera import Camera, camera_table, head_extent
 from mien.face.render.lighting import Lighting
 from mien.face.render.renderer import MAX_SIDE, Picture, Renderer
 
-__all__ = ["QUALITIES", "TRANSPARENT", "Pictures", "View", "background_colour", "parse_size", "with_options"]
+__all__ = [
+    "PAINTERS",
+    "QUALITIES",
+    "TRANSPARENT",
+    "Pictures",
+    "View",
+    "background_colour",
+    "parse_size",
+    "with_options",
+]
 
 TRANSPARENT = "transparent"
 QUALITIES = {"draft": 0.5, "full": 1.0, "best": 2.0}
 """Names of qualities, and how many times the picture's width is drawn to make it."""
+PAINTERS = ("processor", "gpu")
+"""What draws: the processor, with the same bits from run to run, or a graphics card (an extra)."""
 _LEAST_SIDE, _USUAL = 16, (1280, 720)
 # Half the height and half the width of the oval, as shares of the head's height over the eyes: hair, ears and neck go.
 _OVAL_HALF_HEIGHT, _OVAL_HALF_WIDTH = 0.76, 0.53
@@ -54,11 +65,15 @@ class View:
         Empty; ``oval``: the background covers all but the face; ``LEFT,TOP,WIDTHxHEIGHT``: these pixels only.
     quality : str
         One of `QUALITIES`.
+    painter : str
+        One of `PAINTERS`.
 
     Raises
     ------
     InputError
         If one of them cannot be used.
+    mien.core.errors.MissingPartError
+        If the painter is ``gpu``, and there is none.
 
     Examples
     --------
@@ -73,6 +88,7 @@ class View:
     background: str = ""
     crop: str = ""
     quality: str = "full"
+    painter: str = "processor"
 
     def __post_init__(self) -> None:
         width, height = self._drawn()
@@ -87,11 +103,17 @@ class View:
                 f"quality {self.quality} draws at twice the size: sides up to {MAX_SIDE // 2} pixels, "
                 f"not {width} x {height}"
             )
+        if self.painter not in PAINTERS:
+            raise unknown_name("painter", self.painter, PAINTERS)
         camera_table(self.camera or "portrait")
         Lighting.named(self.light)
         self._window()
         if not self.transparent and background_colour(self.background) is None:
             self._backdrop(16, 16)
+        if self.painter == "gpu":
+            from mien.face.render.graphics_card import graphics_card
+
+            graphics_card()
 
     @property
     def transparent(self) -> bool:
@@ -117,11 +139,18 @@ class View:
         if (colour := background_colour(self.background)) is not None:
             lighting = lighting.before(colour)
         backdrop = None if self.transparent else self._backdrop(width, height)
-        renderer = Renderer(face, width, height, camera, lighting, backdrop, self.transparent)
+        renderer = self._painter()(face, width, height, camera, lighting, backdrop, self.transparent)
         cover = _oval(face, camera, width, height) if self.crop == "oval" else None
         if cover is None and share == 1 and self._window() == (0, 0, *size):
             return renderer
         return _Finished(renderer, cover, size, self._window())
+
+    def _painter(self) -> type[Renderer]:
+        if self.painter == "processor":
+            return Renderer
+        from mien.face.render.gpu_renderer import GpuRenderer
+
+        return GpuRenderer
 
     def _drawn(self) -> tuple[int, int]:
         return (self.width, self.height) if self.width or self.height else _USUAL
