@@ -53,6 +53,7 @@ hand-made, since a CSV knows no face."""
 
 _INNER_BROWS = ("browInnerUpLeft", "browInnerUpRight")
 _SIDES_APART = 0.02
+_BLOCK = 4096  # frames
 
 _TIMECODE = re.compile(r"(\d{1,3}):(\d{1,2}):(\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,6}))?", re.ASCII)
 _CLOCK = re.compile(r"(?:(\d{1,3}):(\d{1,2}):)?(\d{1,9})[.,](\d{1,9})", re.ASCII)
@@ -405,13 +406,14 @@ def write_livelink(animation: Animation, path: str | Path) -> tuple[Note, ...]:
         If the file cannot be written.
     """
     track = animation.channels
-    values = livelink_motion(track)
-    rows, start = [",".join(COLUMNS)], _start(animation.timecode, track.rate)
-    for frame, row in enumerate(values):
-        numbers = ",".join(f"{round(number, 8) + 0.0:.8f}" for number in row)
-        rows.append(f"{timecode(frame, track.rate, start)},{len(MOTION_COLUMNS)},{numbers}")
-    with replace_when_complete(path) as unfinished:
-        unfinished.write_text("\n".join(rows) + "\n", encoding="utf-8", newline="\n")
+    start = _start(animation.timecode, track.rate)
+    with replace_when_complete(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(",".join(COLUMNS) + "\n")
+        for first in range(0, len(track), _BLOCK):  # the text of an hour would take more memory than its motion
+            part = ChannelTrack(track.names, track.values[first : first + _BLOCK], track.rate)
+            for frame, row in enumerate(livelink_motion(part), first):
+                numbers = ",".join(f"{round(number, 8) + 0.0:.8f}" for number in row)
+                file.write(f"{timecode(frame, track.rate, start)},{len(MOTION_COLUMNS)},{numbers}\n")
     notes = beyond_arkit(track, Path(path).name)
     if track.rate.fraction.denominator == 1:
         return notes

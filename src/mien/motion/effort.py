@@ -37,6 +37,7 @@ KNEE = 0.7
 """Weight above which what effort adds to a channel is bent towards 1, which it never reaches. Hand-made."""
 EASE = 0.12
 """Seconds around speech over which the mouth comes to its scaled motion. Hand-made."""
+_BLOCK = 4096  # frames
 _JAW = [channels.ALL.index(name) for name in ("jawOpen", "mouthClose")]
 _LIPS = [
     channels.ALL.index(name)
@@ -158,11 +159,13 @@ def articulate(
     jaw = 1 + np.where(jaw > 1, (jaw - 1) * grown, jaw - 1) * free
     lips = 1 + (lips - 1) * free
     values = mouth.values.copy()
-    values[:, _JAW] = _bounded(values[:, _JAW] * jaw[:, None], mouth.values[:, _JAW])
-    moved = mean.values[_LIPS] + (values[:, _LIPS] - mean.values[_LIPS]) * lips[:, None]
-    values[:, _LIPS] = _bounded(moved, mouth.values[:, _LIPS])
-    same = effort == 1
-    values[same] = mouth.values[same]
+    for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
+        here, after = slice(first, first + _BLOCK), values[first : first + _BLOCK]
+        before, same = mouth.values[here], effort[here] == 1
+        after[:, _JAW] = _bounded(before[:, _JAW] * jaw[here, None], before[:, _JAW])
+        moved = mean.values[_LIPS] + (before[:, _LIPS] - mean.values[_LIPS]) * lips[here, None]
+        after[:, _LIPS] = _bounded(moved, before[:, _LIPS])
+        after[same] = before[same]
     return replace(mouth, values=values, markers=_moved_markers(mouth.markers, lips, mean))
 
 

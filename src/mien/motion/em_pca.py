@@ -108,4 +108,7 @@ class EMPCA:
 
     def decode(self, scores: Floats) -> Floats:
         """Rows of components, shape (frames, dimensions)."""
-        return np.asarray((scores @ self.axes_) / self.weights_ + self.mean_)
+        rows = np.asarray(scores @ self.axes_)
+        rows /= self.weights_
+        rows += self.mean_
+        return rows

@@ -83,20 +83,22 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression, line=line)
     utterance.audio.rest()
     idle = performer.idle.perform(utterance, rate, for_idle, score)
-    prosody = performer.prosody.perform(utterance, rate, for_prosody) * effort[:, None]
+    prosody = performer.prosody.perform(utterance, rate, for_prosody)
     utterance.audio.rest()
-    share = 1 - mouth.seal[:, None] * (1 - performer.expression.sealed_share)
-    values, markers, seal = mouth.values.copy(), mouth.markers, mouth.seal
-    del mouth, line
-    for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
-        here = slice(first, first + _BLOCK)
-        values[here] = blend(values[here], expression[here] * share[here] + prosody[here], idle[here])
-    del expression, idle, prosody
-    values = close_lips(values, bilabial_seal(seal, utterance.phones, times))
+    shut = bilabial_seal(mouth.seal, utterance.phones, times)
+    gives_way, values = 1 - performer.expression.sealed_share, expression  # laid over one another in its place
+    del line, expression
+    blocks = [slice(first, first + _BLOCK) for first in range(0, len(values), _BLOCK)]
+    for here in blocks:  # a long line is not held many times over
+        felt = values[here] * (1 - mouth.seal[here, None] * gives_way) + prosody[here] * effort[here, None]
+        values[here] = close_lips(blend(mouth.values[here], felt, idle[here]), shut[here])
+    markers, seal = mouth.markers, mouth.seal
+    del mouth, idle, prosody
     values[:, _HEAD] = steady_head(values[:, _HEAD], rate.fps)
-    values = direct(values, score.curves, rate, share)
+    for here in blocks:
+        values[here] = direct(values[here], score.curves, times[here], 1 - seal[here, None] * gives_way)
     return Animation(
-        channels=ChannelTrack(channels.ALL, values, rate),
+        channels=ChannelTrack.taking(channels.ALL, values, rate),
         markers=markers,
         utterance=utterance,
         score=score,
@@ -137,11 +139,13 @@ def _outside(score: Score, duration: float) -> tuple[Note, ...]:
 
 def _opposed(curves: Sequence[ParameterCurve], times: NDArray[np.float64]) -> tuple[Note, ...]:
     """Notes on opposed channels that curves ask for at once."""
+    if not curves:
+        return ()
     asked = lay_over(np.zeros((len(times), len(channels.ALL))), channels.ALL, curves, times)
     column = channels.ALL.index
     told = [
         f"{one} and {other} were asked for at once: they are opposed, and what both have is taken off both"
-        for one, other in (OPPOSED if curves else ())
+        for one, other in OPPOSED
         if (np.minimum(asked[:, column(one)], asked[:, column(other)]) > 0).any()
     ]
     return tuple(Note("warning", message) for message in told)
@@ -240,9 +244,12 @@ def _beside_rounded_lips(mouth: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def direct(
-    values: NDArray[np.float64], curves: Sequence[ParameterCurve], rate: FrameRate, share: NDArray[np.float64]
+    values: NDArray[np.float64],
+    curves: Sequence[ParameterCurve],
+    times: NDArray[np.float64],
+    share: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Lay the score's curves over motion; all of shape (frames, channels).
+    """Lay the score's curves over motion, at times of shape (frames,); all else of shape (frames, channels).
 
     What is added gives way where the lips are shut, by ``share`` as expressions do; what is set is set exactly. Lids
     that a curve closes let go of squint and wide eyes. Weights are kept in [0, 1], and one of two opposed channels at
@@ -250,7 +257,6 @@ def direct(
     """
     if not curves:
         return apart(values, channels.ALL)
-    times = rate.times(len(values))
     values = lay_over(values, channels.ALL, curves, times, share)
     asked = lay_over(np.zeros_like(values), channels.ALL, [c for c in curves if c.mode == "add"], times)
     values[:, _LIDS] *= 1 - np.clip(asked[:, _BLINK].max(axis=1, keepdims=True), 0, 1)

@@ -98,7 +98,7 @@ def rasta_plp(audio: Audio, *, rasta: bool = True) -> RastaPLP:
     energies = _band_energies(audio.resampled(RATE).samples)
     logs = np.log(energies, out=energies)
     if rasta:
-        logs = _filtered(logs)
+        _filter(logs)
     values = np.empty((len(logs), CEPSTRA))
     for first in range(0, len(logs), _BLOCK):  # an hour is not held many times over
         here = slice(first, first + _BLOCK)
@@ -124,7 +124,8 @@ def _band_energies(samples: NDArray[np.float32]) -> Floats:
         windows = np.lib.stride_tricks.sliding_window_view(heard, width)[::hop]
         energies[first : first + _BLOCK] = np.abs(np.fft.rfft(windows * shape, _FFT, axis=1)) ** 2 @ weights.T
         let_go(samples)
-    return np.maximum(energies, max(QUIETEST * float(energies.max()), np.finfo(np.float64).tiny))
+    least = max(QUIETEST * float(energies.max()), np.finfo(np.float64).tiny)
+    return np.asarray(np.maximum(energies, least, out=energies))
 
 
 def _bark(hertz: Floats) -> Floats:
@@ -157,20 +158,19 @@ def _equal_loudness() -> Floats:
     return np.asarray(curve)
 
 
-def _filtered(logs: Floats) -> Floats:
-    """The filter over time, 0.1 (2 + z^-1 - z^-3 - 2 z^-4) / (1 - pole z^-1), as if the first frame had always lasted.
+def _filter(logs: Floats) -> None:
+    """Filter over time, in place: 0.1 (2 + z^-1 - z^-3 - 2 z^-4) / (1 - pole z^-1), as if the first frame had always lasted.
 
     Written out: importing scipy.signal for it takes longer than all else that a short sound needs.
     """
-    filtered, past = np.empty_like(logs), np.repeat(logs[:1], 4, axis=0)
+    past = np.repeat(logs[:1], 4, axis=0)
     held = np.zeros_like(logs[0])  # what a constant leaves behind: the numerator's terms add up to nothing
     for first in range(0, len(logs), _BLOCK):
         before = np.concatenate([past, logs[first : first + _BLOCK]])
         driven, past = 0.1 * (2 * before[4:] + before[3:-1] - before[1:-3] - 2 * before[:-4]), before[-4:]
         for place, now in enumerate(driven, start=first):
             held = now + POLE * held
-            filtered[place] = held
-    return filtered
+            logs[place] = held
 
 
 def all_pole(spectrum: Floats, order: int) -> tuple[Floats, Floats]:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import Note
+from mien.core.long_arrays import let_go
 from mien.speech.aligned_phone import AlignedPhone
 from mien.text.spoken_text import SpokenText
 
@@ -49,6 +50,7 @@ OTHER_IN_NOISE, LOUD_NOISE = 0.31, 9.0
 NOISY = 15.0
 """Decibels by which noise lies below the voice at most for it to be named."""
 _FRAME = 0.02
+_BLOCK = 1000  # frames: a long sound is in memory a piece at a time
 
 Kind = Literal["poor fit", "words on silence", "speech without words"]
 
@@ -189,8 +191,12 @@ def _loudness(audio: Audio) -> NDArray[np.float64]:
     window = max(1, round(audio.rate * _FRAME))
     frames = max(1, len(audio.samples) // window)
     body = audio.samples[: frames * window].reshape(frames, -1)
-    power = np.einsum("ij,ij->i", body, body, dtype=np.float64) / body.shape[1]
-    return np.asarray(10.0 * np.log10(power + 1e-12))
+    power = np.empty(len(body))
+    for start in range(0, len(body), _BLOCK):
+        part = body[start : start + _BLOCK]
+        power[start : start + _BLOCK] = np.einsum("ij,ij->i", part, part, dtype=np.float64)
+        let_go(audio.samples)
+    return np.asarray(10.0 * np.log10(power / body.shape[1] + 1e-12))
 
 
 def _parts(loudness: NDArray[np.float64], spans: Sequence[tuple[float, float]]) -> NDArray[np.float64]:

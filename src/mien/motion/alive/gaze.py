@@ -65,7 +65,7 @@ class HandMadeGaze:
     ) -> Floats:
         """The eyeLook channels at the times, shape (times, channels)."""
         saccades = self.saccades(utterance, float(times[-1]) + 1.0 if len(times) else 1.0, random, score)
-        values = np.zeros((len(times), len(channels.ALL)))
+        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         side, height = self.directions(saccades, times)
         degrees = self._table["degrees"]
         for name, amount, full in (

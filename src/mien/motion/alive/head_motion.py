@@ -35,6 +35,7 @@ RATE = 25.0
 REACH, STEP = 15, 3  # frames of context to each side, and between two of them
 GAIN = 2.0
 """How much of the prediction is performed. Regression shrinks: this brings the spread back to the recorded one."""
+_BLOCK = 4096  # moments
 _QUIET = -70.0  # dBFS: nothing below is told apart
 
 
@@ -97,12 +98,16 @@ class LearnedHead:
     def perform(self, utterance: Utterance, rate: FrameRate) -> Floats:
         """Head channels for every frame that covers the sound, (frames, channels); still where nothing is said."""
         times = rate.times(rate.frames_covering(utterance.duration))
-        values = np.zeros((len(times), len(channels.ALL)))
+        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         spoken = [phone for phone in utterance.phones if phone.label != PAUSE]
         if not spoken or not len(times):
             return values
         own = np.arange(0.0, utterance.duration + 2 / RATE, 1 / RATE)
-        angles = GAIN * self.predict(prosodic_features(utterance, own))
+        plain = _plain_features(utterance, own)
+        angles = np.empty((len(own), 3))
+        for first in range(0, len(own), _BLOCK):  # what is seen about each moment of an hour is not held at once
+            here = slice(first, first + _BLOCK)
+            angles[here] = GAIN * self.predict(_about(plain, range(len(own))[here]))
         inside = (own >= spoken[0].start - 0.1) & (own <= spoken[-1].end + 0.1)
         angles = angles - angles[inside].mean(axis=0)
         ramp = np.clip(np.minimum(own - spoken[0].start + 0.6, spoken[-1].end + 0.6 - own) / 0.6, 0, 1)
@@ -161,6 +166,18 @@ def _pausing(phones: Tier, times: Floats) -> Floats:
 
 def prosodic_features(spoken: _Spoken, times: Floats) -> Floats:
     """Pitch, level, slopes, voicing and pauses about moments 1 / `RATE` apart, shape (times, features)."""
+    return _about(_plain_features(spoken, times), range(len(times)))
+
+
+def _about(plain: Floats, moments: range) -> Floats:
+    """What is seen about some moments in a row, `REACH` to each side; the ends of all last."""
+    places = np.arange(moments.start - REACH, moments.stop + REACH).clip(0, len(plain) - 1)
+    padded = plain[places]
+    return np.hstack([padded[k : k + len(moments)] for k in range(0, 2 * REACH + 1, STEP)])
+
+
+def _plain_features(spoken: _Spoken, times: Floats) -> Floats:
+    """The same at the moments alone."""
     pitch, level = pitch_contour(spoken.audio), level_contour(spoken.audio)
     semitones = pitch.semitones(100.0)
     voiced = np.isfinite(semitones)
@@ -170,6 +187,4 @@ def prosodic_features(spoken: _Spoken, times: Floats) -> Floats:
     loud = np.clip(level.decibels_at(times), _QUIET, 0)
     sounding = np.interp(times, pitch.times, voiced.astype(np.float64))
     silent = _pausing(spoken.phones, times)
-    plain = np.stack([height, loud, np.gradient(height), np.gradient(loud), sounding, silent], axis=1)
-    padded = np.pad(plain, ((REACH, REACH), (0, 0)), mode="edge")
-    return np.hstack([padded[k : k + len(times)] for k in range(0, 2 * REACH + 1, STEP)])
+    return np.stack([height, loud, np.gradient(height), np.gradient(loud), sounding, silent], axis=1)

@@ -40,6 +40,8 @@ HEAD_SWAY = {"headYaw": 1.6, "headPitch": 1.1, "headRoll": 0.8}  # degrees, stan
 HEAD_TIME = 1.1  # seconds over which the head drifts
 SIGNS = ("blinks", "gaze", "sway", "head")
 """What can be switched."""
+_HEAD = [channels.ALL.index(name) for name in channels.HEAD]
+_EYES = [place for place, name in enumerate(channels.ALL) if name.startswith("eyeLook")]
 
 
 class HandMadeIdle:
@@ -111,20 +113,21 @@ class HandMadeIdle:
         ``score`` is what is felt when.
         """
         times = rate.times(rate.frames_covering(utterance.duration))
-        values = np.zeros((len(times), len(channels.ALL)))
+        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         manner = Manner(score, utterance.duration)
         for_blinks, for_gaze, for_head = random.spawn(3)
         self._add_blinks(values, times, self.blink_times(utterance, for_blinks, manner), manner)
         if self.gaze:
-            values += self._gaze.perform(utterance, times, for_gaze, score)
-        values += self._head(utterance, rate, for_head, manner)
+            values[:, _EYES] = self._gaze.perform(utterance, times, for_gaze, score)[:, _EYES]
+        self._add_head(values, utterance, rate, for_head, manner)
         return values
 
-    def _head(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator, manner: Manner) -> Floats:
-        times = rate.times(rate.frames_covering(utterance.duration))
-        values = np.zeros((len(times), len(channels.ALL)))
+    def _add_head(
+        self, values: Floats, utterance: Utterance, rate: FrameRate, random: np.random.Generator, manner: Manner
+    ) -> None:
+        times = rate.times(len(values))
         if self.head:
-            values += default_head().perform(utterance, rate)
+            values[:, _HEAD] = default_head().perform(utterance, rate)[:, _HEAD]
         if self.sway:
             for name, spread in HEAD_SWAY.items():
                 values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, random)
@@ -132,7 +135,6 @@ class HandMadeIdle:
             values[:, channels.ALL.index(name)] *= manner.over(name.removeprefix("head").lower(), times)
         if self.head or self.sway:
             values[:, channels.ALL.index("headRoll")] += manner.over("tilt", times)
-        return values
 
     def blink_times(
         self, utterance: Utterance, random: np.random.Generator, manner: Manner | None = None

@@ -70,7 +70,7 @@ class HandMadeProsody:
     def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> Floats:
         """Channels of brows, head and eyes for every frame that covers the sound, shape (frames, channels)."""
         times = rate.times(rate.frames_covering(utterance.duration))
-        values = np.zeros((len(times), len(channels.ALL)))
+        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         if self.strength == 0 or not len(utterance.words):
             return values
         words = stressed_words(utterance)
@@ -91,12 +91,15 @@ class HandMadeProsody:
                     roll[near] += tipped
                 else:
                     pitch[near] -= self._sinking(times[near], last)
-        values += brow[:, None] * self._brow
+        moved = np.flatnonzero(self._brow)
+        values[:, moved] = brow[:, None] * self._brow[moved]
         values[:, _PITCH], values[:, _ROLL] = pitch, roll
         turned = pitch / self._table["eyes"]["degrees"]
         values[:, _UP] = np.clip(-turned, 0, None)[:, None]
         values[:, _DOWN] = np.clip(turned, 0, None)[:, None]
-        return values * self.strength
+        for place in {*moved, _PITCH, _ROLL, *_UP, *_DOWN}:
+            values[:, place] *= self.strength
+        return values
 
     def accents(self, words: Sequence[StressedWord]) -> list[Accent]:
         """Syllables that stand out, in order of time, none nearer to a stronger one than the table allows."""

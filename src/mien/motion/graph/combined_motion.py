@@ -98,15 +98,16 @@ class CombinedMotion:
         times = np.asarray(times, dtype=np.float64)
         if not len(times):
             return self.speech_.synthesise(phones, times)
-        said = covering(phones, float(times.min()) - APART, float(times.max()) + APART)
+        return self.speech_.finished(self._answer(phones, times, features, felt), phones, times)
 
+    def _answer(
+        self, phones: Tier, times: Floats, features: Floats | None, felt: Tier | None
+    ) -> Callable[[Floats], Floats]:
+        """What gives components at instants about some times; held by none but who finishes them."""
+        said = covering(phones, float(times.min()) - APART, float(times.max()) + APART)
         about = instants_about(times) if self.speech_.spread_ is not None else times
         beside = self.residuals_.curve(said, float(about.min()), float(about.max()), features, felt)
-
-        def answer(instants: Floats) -> Floats:
-            return self.speech_.components(phones, instants) + beside(instants)
-
-        return self.speech_.finished(answer, phones, times)
+        return lambda instants: self.speech_.components(phones, instants) + beside(instants)
 
 
 def learned_residuals(

@@ -217,12 +217,16 @@ class RecordedResiduals:
             knots.append(phone.start + POINTS * phone.duration)
             values.append(self._averaged(self._apart(said, self._nodes_for(said)), weights))
         curve = np.array(values)
+        values.clear()
         middle = (curve[1:, 0] + curve[:-1, -1]) / 2  # where phones meet their two answers are averaged
         curve[1:, 0], curve[:-1, -1] = middle, middle
         begin = np.floor(first * GRID_RATE)
         grid = (begin + np.arange(np.ceil(last * GRID_RATE) - begin + 1)) / GRID_RATE
         at, flat = np.concatenate(knots), curve.reshape(-1, curve.shape[2])
-        joined = np.stack([np.interp(grid, at, column) for column in flat.T], axis=1)
+        joined = np.empty((len(grid), flat.shape[1]))
+        for number, column in enumerate(flat.T):  # an hour is not held many times over
+            joined[:, number] = np.interp(grid, at, column)
+        del curve, flat
         smooth = low_passed(joined, GRID_RATE, np.full(joined.shape[1], CUT_OFF))
         return lambda times: np.stack([np.interp(times, grid, column) for column in smooth.T], axis=1)
 

@@ -7,7 +7,7 @@ key shapes"), used for everything. The key shapes and their timing rules are han
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 SETTLE, PREPARE = 0.18, 0.14
 # A phone of this length (seconds) or longer reaches its key shape in full.
 FULL_REACH = 0.11
+_BLOCK = 4096  # frames
 # A seal lasts at least this long, so that no closure falls between two frames at 25 frames per second.
 SHORTEST_SEAL = 0.045
 
@@ -124,9 +125,17 @@ class HandMadeMouth:
 
     def perform(self, utterance: Utterance, rate: FrameRate) -> MouthMotion:
         """Mouth channels for every frame that covers the sound."""
-        keys = self._keys(utterance, rate)
-        motion = _interpolated(keys, utterance, rate, [np.append(key.shape, key.seal) for key in keys])
+        motion = self.over(utterance, rate)(rate.times(rate.frames_covering(utterance.duration)))
         return MouthMotion(values=motion[:, :-1], seal=motion[:, -1])
+
+    def over(self, utterance: Utterance, rate: FrameRate) -> Callable[[Floats], Floats]:
+        """What gives mouth channels, and behind them the seal, at times; shape (times, channels + 1)."""
+        keys = self._keys(utterance, rate)
+        shapes = np.empty((len(keys), len(self.rest.shape) + 1))
+        for row, key in zip(shapes, keys, strict=True):
+            row[:-1], row[-1] = key.shape, key.seal
+        holds = [(key.start, key.end) for key in keys]
+        return lambda times: cosine_interpolation(times, holds, shapes)
 
     def seals(self, utterance: Utterance, rate: FrameRate) -> tuple[Floats, Floats]:
         """Where the lips must be shut (or on the teeth) and in which shape, for models that move the lips otherwise.
@@ -245,12 +254,14 @@ def cosine_interpolation(times: Floats, holds: list[tuple[float, float]], shapes
     >>> cosine_interpolation(np.array([0.0, 0.5, 1.0]), [(0, 0), (1, 1)], np.array([[0.0], [2.0]])).round(9).tolist()
     [[0.0], [1.0], [2.0]]
     """
-    ends = np.array([end for _, end in holds])
-    starts = np.array([start for start, _ in holds])
-    after = np.searchsorted(ends, times, side="left")  # first key whose hold has not ended
-    before = np.clip(after - 1, 0, len(holds) - 1)
-    after = np.clip(after, 0, len(holds) - 1)
-    span = starts[after] - ends[before]
-    passed = np.where(span > 0, (times - ends[before]) / np.where(span > 0, span, 1.0), 1.0)
-    weight = (1 - np.cos(np.pi * np.clip(passed, 0.0, 1.0))) / 2
-    return shapes[before] * (1 - weight[:, None]) + shapes[after] * weight[:, None]
+    found, (starts, ends) = np.empty((len(times), shapes.shape[1])), np.array(holds).T
+    for first in range(0, len(times), _BLOCK):  # a long line is not held many times over
+        here = slice(first, first + _BLOCK)
+        after = np.searchsorted(ends, times[here], side="left")  # first key whose hold has not ended
+        before = np.clip(after - 1, 0, len(holds) - 1)
+        after = np.clip(after, 0, len(holds) - 1)
+        span = starts[after] - ends[before]
+        passed = np.where(span > 0, (times[here] - ends[before]) / np.where(span > 0, span, 1.0), 1.0)
+        weight = (1 - np.cos(np.pi * np.clip(passed, 0.0, 1.0))) / 2
+        found[here] = shapes[before] * (1 - weight[:, None]) + shapes[after] * weight[:, None]
+    return found

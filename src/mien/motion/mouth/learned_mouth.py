@@ -101,19 +101,23 @@ class LearnedMouth:
         values, markers = self.on_face(motion, rate), None
         if self._markers is not None:
             markers = MarkerTrack(self._markers.space.names, motion, rate)
-        values *= 1 - resting(utterance.phones, times)[:, None]
-        hand_made = self.hand_made.perform(utterance, rate)
+        del motion
+        moves, hand_made = 1 - resting(utterance.phones, times)[:, None], self.hand_made.over(utterance, rate)
         own = utterance.shapes or ((),) * len(utterance.phones)
         unheard = set(self.hand_made_phones)
         unknown = [phone.label in unheard or bool(names) for phone, names in zip(utterance.phones, own, strict=True)]
         on_teeth = [phone.label in _LIP_ON_TEETH for phone in utterance.phones]
         share = self.hand_made.share_of(utterance, rate, unknown)
         share = np.maximum(share, self.hand_made.share_of(utterance, rate, on_teeth) ** _ON_TEETH_SHARPNESS)[:, None]
-        values[:, _TONGUE] = hand_made.values[:, _TONGUE]
+        seal = np.empty(len(values))
         for first in range(0, len(values), _BLOCK):  # a long line is not held many times over
-            here = slice(first, first + _BLOCK)
-            values[here] = values[here] * (1 - share[here]) + hand_made.values[here] * share[here]
-        return MouthMotion(values=values, seal=hand_made.seal, markers=markers)
+            here, own_way = slice(first, first + _BLOCK), values[first : first + _BLOCK]
+            by_hand_here = hand_made(times[here])
+            seal[here] = by_hand_here[:, -1]
+            own_way *= moves[here]
+            own_way[:, _TONGUE] = by_hand_here[:, _TONGUE]
+            values[here] = own_way * (1 - share[here]) + by_hand_here[:, :-1] * share[here]
+        return MouthMotion(values=values, seal=seal, markers=markers)
 
     def on_face(self, motion: Floats, rate: FrameRate) -> Floats:
         """What a speech model gives as channels of the face, shape (frames, channels)."""

@@ -39,6 +39,7 @@ NEARLY_SHUT = 5.0
 """Millimetres of lip opening below which frames tell the direction in which lips close."""
 CLOSURES_HELD, FRAMES_HELD = 10, 200
 """Closures, and frames with lips nearly shut, that a start counts as."""
+_BLOCK = 4096  # frames
 _STEPS = 4  # distances and bounds are not linear in the shift: a few steps bring it home
 
 Floats = NDArray[np.float64]
@@ -114,20 +115,23 @@ class LipClosure:
                     rows[drawn] = self._drawn_together(
                         rows[drawn], _fade(np.abs(times[drawn] - closest)), self.apart_[kind]
                     )
-            rows = self._kept_apart(rows, phones, times)
-        return self.space.parted(rows, self.closing_)
+            self._keep_apart(rows, phones, times)
+        for first in range(0, len(rows), _BLOCK):  # a long line is not held many times over
+            rows[first : first + _BLOCK] = self.space.parted(rows[first : first + _BLOCK], self.closing_)
+        return rows
 
-    def _kept_apart(self, rows: Floats, phones: Tier, times: Floats) -> Floats:
-        """Speech away from pauses and from phones that shut the lips, with the lips at least `LEAST_APART` apart."""
+    def _keep_apart(self, rows: Floats, phones: Tier, times: Floats) -> None:
+        """In speech away from pauses and from phones that shut the lips, bring them at least `LEAST_APART` apart."""
         rest = self.space.rest()
         if rest is None:
-            return rows
+            return
         shuts = [phone for phone in phones if phone.label in self.seals or phone.label == PAUSE]
         open_ = [phone for phone in phones if phone.label not in self.seals and phone.label != PAUSE]
         free = np.minimum(is_within(open_, times), seconds_away(shuts, times) / CLEAR)
         least = max(float(self._opening(rest[None])[0]), 0.0) + LEAST_APART
-        lacking = np.maximum(least - self._opening(rows), 0.0)
-        return np.asarray(rows + (free * lacking)[:, None] * self.closing_)
+        lacking = free * np.maximum(least - self._opening(rows), 0.0)
+        for first in range(0, len(rows), _BLOCK):
+            rows[first : first + _BLOCK] += lacking[first : first + _BLOCK, None] * self.closing_
 
     def _closures(self, mouth: RecordedMouth) -> list[tuple[str, float, float]]:
         """Kind, least opening and its time from the middle, of each seal inside speech."""

@@ -211,7 +211,8 @@ class ChannelSpace:
 
     def motion_of(self, rows: Floats) -> Floats:
         """Weights in 0..1, shape (frames, channels)."""
-        return np.clip(self.differences_of(rows), 0.0, 1.0)
+        weights = self.differences_of(rows)
+        return np.clip(weights, 0.0, 1.0, out=weights)
 
     def differences_of(self, rows: Floats) -> Floats:
         """Weights without bounds, shape (frames, channels)."""

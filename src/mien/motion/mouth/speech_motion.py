@@ -232,7 +232,10 @@ class SpeechMotion:
             None takes the model's own.
         """
         spread = spread or self.spread_
-        rows = self.space_.decode(answer(times) if spread is None else spread.of(answer, times))
+        components = answer(times) if spread is None else spread.of(answer, times)
+        del answer  # it may hold much
+        rows = self.space_.decode(components)
+        del components
         return self.mouth_.motion_of(self.closure_.hold(rows, phones, times) if self.settings.hold_closures else rows)
 
     def components(self, phones: Tier, times: Floats) -> Floats:
