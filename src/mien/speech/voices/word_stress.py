@@ -9,6 +9,7 @@ one way, each way has its vowels: ``record 01/AH-AO 10/EH-ER``.
 from __future__ import annotations
 
 import gzip
+import re
 from collections import Counter
 from functools import cache
 
@@ -61,20 +62,10 @@ def _patterns(word: str) -> tuple[str, ...]:
 
 
 @cache
-def _table() -> dict[str, tuple[str, ...]]:
-    lines = _text().decode("utf-8").splitlines()[1:]
-    return {word: tuple(patterns) for word, *patterns in map(str.split, lines)}
-
-
-@cache
 def _by_ending(word: str, syllables: int) -> str:
     for length in range(_LONGEST_ENDING, 0, -1):
-        ending = word[-length:]
-        found = Counter(
-            patterns[0]
-            for known, patterns in _table().items()
-            if len(patterns[0]) == syllables and known.endswith(ending)
-        )
+        first = rb"%s ([012]{%d}(?:/\S+)?)\s" % (re.escape(word[-length:].encode()), syllables)
+        found = Counter(pattern.decode() for pattern in re.findall(first, _text()))
         if found.total() >= _ENOUGH_WORDS:
             return max(sorted(found), key=lambda pattern: found[pattern])
     return "0" * max(0, syllables - 3) + "1" + "0" * min(2, syllables - 1)
