@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.core.audio import Audio
 from mien.core.errors import InputError
-from mien.core.long_arrays import let_go
+from mien.core.long_arrays import LONG, let_go, trim
 from mien.speech.onnx_runtime import forbid_telemetry
 
 if TYPE_CHECKING:
@@ -155,6 +155,10 @@ def _contour(audio: Audio, lowest: float, highest: float) -> PitchContour:
     found.append(stream.flush())
     hertz, confidence = (np.concatenate([getattr(part, name) for part in found]) for name in ("pitch_hz", "confidence"))
     hertz = np.where(confidence >= _VOICED, hertz, np.nan)
+    if audio.duration >= LONG:  # what follows needs the room, and a network is loaded again in a tenth of a second
+        del stream
+        _detector.cache_clear()
+        trim()
     return PitchContour(np.concatenate([part.timestamps for part in found]), hertz, confidence)
 
 

@@ -42,7 +42,7 @@ LIFT = 0.6
 QUIETEST = 1e-7
 """Share of the loudest band's energy under which a band counts as silent: keeps digital silence off the logarithm."""
 _FFT = 512
-_BLOCK = 4096  # frames per Fourier transform, so that an hour of sound needs little memory
+_BLOCK = 1024  # frames per Fourier transform, so that an hour of sound needs little memory
 
 Floats = NDArray[np.float64]
 

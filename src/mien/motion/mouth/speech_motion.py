@@ -40,7 +40,7 @@ and leaves the lips 2 mm apart in a pause.)"""
 
 SPREAD_TAKES = 200
 """Takes on which the size of the motion is measured, at most."""
-BLOCK = 1024
+BLOCK = 512
 """Frames that are synthesised at once, which bounds the memory."""
 SIGHT = 2.0
 """Seconds within which phones count; the nearest ones count from farther away, too."""
