@@ -19,6 +19,7 @@ from mien.core.errors import AlignmentError, InputError, Note
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.aligned_phone import AlignedPhone
+from mien.speech.connected_speech import heard_pronunciations
 from mien.speech.hearing import Hearing, hear
 from mien.speech.streaming_features import HOP, RATE
 from mien.speech.text_search import OTHER, Found, TextGraph, search
@@ -27,7 +28,7 @@ from mien.text.languages.language import ENGLISH
 from mien.text.languages.language_detection import note_on_language
 from mien.text.languages.reading import read_in
 from mien.text.normalisation import spoken_words
-from mien.text.pronunciation import Pronunciation, pronunciations
+from mien.text.pronunciation import Pronunciation
 from mien.text.spoken_text import Spelled, SpokenWord, with_spellings
 
 __all__ = ["align", "align_words", "choices_of", "tiers"]
@@ -83,7 +84,7 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH, spellings:
     if audio.is_silent():
         return _silent(audio, text, tag, spoken.notes)
     words = [word.text for word in spoken.words]
-    phones = align_words(audio, words, [choices_of(word, other) for word in spoken.words])
+    phones = align_words(audio, words, [choices_of(word, other) for word in spoken.words], connected=other is None)
     word_tier, phone_tier = tiers(phones, words, audio.duration)
     notes = spoken.notes + doubts(
         audio, spoken, phones, LOWEST_RUN_SCORE if other is None else LOWEST_RUN_SCORE_THROUGH_A_MAP
@@ -99,11 +100,13 @@ def align(audio: Audio, text: str, *, language: str | Path = ENGLISH, spellings:
 def choices_of(word: SpokenWord, language: Language | None) -> tuple[Pronunciation, ...]:
     """What the acoustic model is to look for in a word: each pronunciation that the speaker may have used."""
     if language is None:
-        return (word.phones,) if word.phones else pronunciations(word.text)
+        return (word.phones,) if word.phones else heard_pronunciations(word.text)
     return (heard_as(word.phones or (), language),)
 
 
-def align_words(audio: Audio, words: Sequence[str], choices: Sequence[Sequence[Pronunciation]]) -> list[AlignedPhone]:
+def align_words(
+    audio: Audio, words: Sequence[str], choices: Sequence[Sequence[Pronunciation]], connected: bool = False
+) -> list[AlignedPhone]:
     """Align words whose pronunciations are given; the heart of `align`.
 
     Parameters
@@ -113,6 +116,8 @@ def align_words(audio: Audio, words: Sequence[str], choices: Sequence[Sequence[P
         Only for messages.
     choices : sequence of sequences of tuple of str
         For each word the pronunciations that the speaker may have used.
+    connected : bool
+        Whether words may change where they meet (`mien.speech.connected_speech`).
 
     Returns
     -------
@@ -125,7 +130,7 @@ def align_words(audio: Audio, words: Sequence[str], choices: Sequence[Sequence[P
         If no alignment was found.
     """
     heard = hear(audio)
-    graph = TextGraph(choices, heard.labels)
+    graph = TextGraph(choices, heard.labels, connected)
     found = search(heard.rows, graph)
     if found is None and audio.duration * len(graph.labels) < _MOST_PHONE_SECONDS:
         found = search(heard.rows, graph, float("inf"))  # a text that is hardly what is said

@@ -12,11 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.utterance import PAUSE
+from mien.speech.connected_speech import COALESCED, leaves_out
 from mien.text.phones import is_vowel
 from mien.text.pronunciation import Pronunciation
 
@@ -51,6 +54,13 @@ class Found:
     goes_on: bool = False
 
 
+class _Spoken(NamedTuple):
+    """A pronunciation and where its phones begin among all."""
+
+    phones: Pronunciation
+    nodes: list[int]
+
+
 class TextGraph:
     """Which phone may follow which.
 
@@ -60,9 +70,13 @@ class TextGraph:
         The pronunciations of each word.
     labels : sequence of str
         In the order of the columns of what is heard; the search adds one for `OTHER`.
+    connected : bool
+        Whether words may change where they meet, as in English (`mien.speech.connected_speech`).
     """
 
-    def __init__(self, choices: Sequence[Sequence[Pronunciation]], labels: Sequence[str]) -> None:
+    def __init__(
+        self, choices: Sequence[Sequence[Pronunciation]], labels: Sequence[str], connected: bool = False
+    ) -> None:
         index = {label: number for number, label in enumerate((*labels, OTHER))}
         self.labels: list[str] = []
         self.words: list[int] = []
@@ -82,17 +96,30 @@ class TextGraph:
             before[other].append(pause)
             return [*ends, pause, other]
 
-        ends = gap([-1])
+        def meet(tail: _Spoken, head: _Spoken) -> None:
+            last, following = tail.phones[-1], head.phones[0]
+            if (last, following) in COALESCED and len(head.phones) > 1:
+                joint = add(COALESCED[last, following], words[tail.nodes[-1]], before[tail.nodes[-1]])
+                before[head.nodes[1]].append(joint)
+            if len(tail.phones) > 1 and leaves_out(tail.phones[-2], last, following):
+                before[head.nodes[0]].append(tail.nodes[-2])
+
+        words = self.words
+        ends, tails = gap([-1]), list[_Spoken]()
         for number, pronunciations in enumerate(choices):
-            lasts = []
+            lasts, heads = [], list[_Spoken]()
             for phones in pronunciations:
-                preceding = ends
+                preceding, nodes = ends, list[int]()
                 for phone in phones:
                     preceding = [add(phone, number, preceding)]
+                    nodes += preceding
                     if phone in DIPHTHONGS:
                         preceding = [add(phone, number, preceding, True)]
                 lasts += preceding
-            ends = gap(lasts)
+                heads.append(_Spoken(phones, nodes))
+            for tail, head in product(tails, heads) if connected else ():
+                meet(tail, head)
+            ends, tails = gap(lasts), heads
         vowels = [number for label, number in index.items() if is_vowel(label)]
         self.vowels = np.array(vowels, dtype=np.intp)
         self.columns = np.array([index[label] for label in self.labels])
