@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.utterance import PAUSE
-from mien.speech.connected_speech import COALESCED, leaves_out
+from mien.speech.connected_speech import leaves_out, loses_its_first, together
 from mien.text.phones import is_vowel
 from mien.text.pronunciation import Pronunciation
 
@@ -98,9 +98,11 @@ class TextGraph:
 
         def meet(tail: _Spoken, head: _Spoken) -> None:
             last, following = tail.phones[-1], head.phones[0]
-            if (last, following) in COALESCED and len(head.phones) > 1:
-                joint = add(COALESCED[last, following], words[tail.nodes[-1]], before[tail.nodes[-1]])
-                before[head.nodes[1]].append(joint)
+            if len(head.phones) > 1 and (joint := together(last, following)):
+                both = add(joint, words[tail.nodes[-1]], before[tail.nodes[-1]])
+                before[head.nodes[1]].append(both)
+            if len(head.phones) > 1 and loses_its_first(last, following):
+                before[head.nodes[1]].append(tail.nodes[-1])
             if len(tail.phones) > 1 and leaves_out(tail.phones[-2], last, following):
                 before[head.nodes[0]].append(tail.nodes[-2])
 
