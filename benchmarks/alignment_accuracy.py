@@ -39,6 +39,7 @@ from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
 from mien.speech.align import align_words, tiers
 from mien.speech.aligned_phone import AlignedPhone
+from mien.speech.connected_speech import heard_pronunciations
 from mien.speech.recognise import Recogniser, recognise
 from mien.speech.transcript_doubts import misfits
 from mien.text.pronunciation import pronunciations
@@ -96,7 +97,7 @@ def processor_seconds() -> float:
 
 def aligned(item: Labelled) -> list[AlignedPhone]:
     words = [word.label for word in item.words]
-    return align_words(item.audio, words, [pronunciations(word) for word in words])
+    return align_words(item.audio, words, [heard_pronunciations(word) for word in words], connected=True)
 
 
 def timit_tables(items: list[Labelled]) -> tuple[list[Row], list[Row]]:
@@ -203,7 +204,8 @@ def warned(pairs: list[tuple[Audio, list[str]]]) -> float:
 def has_misfit(pair: tuple[Audio, list[str]]) -> bool:
     audio, words = pair
     try:
-        return bool(misfits(audio, align_words(audio, words, [pronunciations(word) for word in words])))
+        choices = [heard_pronunciations(word) for word in words]
+        return bool(misfits(audio, align_words(audio, words, choices, connected=True)))
     except AlignmentError:
         return True
 

@@ -18,9 +18,7 @@ from mien.core.timeline import FrameRate
 __all__ = ["ChannelTrack", "MarkerTrack"]
 
 
-def _checked(
-    kind: str, names: Sequence[str], values: ArrayLike, shape: str, copy: bool = True
-) -> NDArray[np.float64]:
+def _checked(kind: str, names: Sequence[str], values: ArrayLike, shape: str, copy: bool = True) -> NDArray[np.float64]:
     array = np.array(values, dtype=np.float64, order="C") if copy else np.ascontiguousarray(values, dtype=np.float64)
     dimensions = shape.count(",") + 1
     faults = []

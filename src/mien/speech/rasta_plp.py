@@ -159,7 +159,9 @@ def _equal_loudness() -> Floats:
 
 
 def _filter(logs: Floats) -> None:
-    """Filter over time, in place: 0.1 (2 + z^-1 - z^-3 - 2 z^-4) / (1 - pole z^-1), as if the first frame had always lasted.
+    """Filter over time, in place, as if the first frame had always lasted.
+
+    0.1 (2 + z^-1 - z^-3 - 2 z^-4) / (1 - pole z^-1).
 
     Written out: importing scipy.signal for it takes longer than all else that a short sound needs.
     """

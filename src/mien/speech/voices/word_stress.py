@@ -65,7 +65,7 @@ def _patterns(word: str) -> tuple[str, ...]:
 def _by_ending(word: str, syllables: int) -> str:
     for length in range(_LONGEST_ENDING, 0, -1):
         first = rb"%s ([012]{%d}(?:/\S+)?)\s" % (re.escape(word[-length:].encode()), syllables)
-        found = Counter(pattern.decode() for pattern in re.findall(first, _text()))
+        found: Counter[str] = Counter(pattern.decode() for pattern in re.findall(first, _text()))
         if found.total() >= _ENOUGH_WORDS:
             return max(sorted(found), key=lambda pattern: found[pattern])
     return "0" * max(0, syllables - 3) + "1" + "0" * min(2, syllables - 1)
