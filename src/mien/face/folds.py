@@ -66,6 +66,15 @@ class Folds:
     folds : tuple of Fold
     sizes : ndarray, shape (levels, 3)
         First texel, width and height of each level of the texture.
+
+    Attributes
+    ----------
+    texels : ndarray, shape (texels,)
+        Those that folds change, in order.
+    starts : ndarray of int32, shape (texels + 1,)
+        Which of the entries each has.
+    owners, shades : ndarray, shape (entries,)
+        Number of the fold, and its shade there.
     """
 
     def __init__(self, folds: tuple[Fold, ...], sizes: NDArray[np.int32]) -> None:
@@ -81,8 +90,8 @@ class Folds:
         entry = np.concatenate(texels)
         order = np.argsort(entry, kind="stable")
         self.texels, starts = np.unique(entry[order], return_index=True)
-        self._starts = np.append(starts, len(entry)).astype(np.int32)
-        self._owners, self._shades = np.concatenate(owners)[order].astype(np.int32), np.concatenate(shades)[order]
+        self.starts = np.append(starts, len(entry)).astype(np.int32)
+        self.owners, self.shades = np.concatenate(owners)[order].astype(np.int32), np.concatenate(shades)[order]
 
     def weights(self, channels: Mapping[str, float]) -> Floats:
         """How full each fold is, shape (folds,)."""
@@ -94,7 +103,7 @@ class Folds:
         ``smooth`` is what `self.texels` of them are without folds.
         """
         begin = int(np.searchsorted(self.texels, first))
-        _lay(begin, self.texels, self._starts, self._owners, self._shades, weights, TINT, smooth, texels)
+        _lay(begin, self.texels, self.starts, self.owners, self.shades, weights, TINT, smooth, texels)
 
 
 @njit(cache=True, nogil=True)

@@ -1,28 +1,31 @@
 """`GpuRenderer`: the pictures of `mien.face.render.renderer.Renderer`, their pixels drawn by a graphics card.
 
-The processor poses, places and lights the vertices with the same kernels; the card finds what each pixel shows (four
-samples, nearest triangle) and shades it (`mien.face.render.gpu_shaders`).
+The processor poses the face and chooses the triangles that face the camera; the card lights the vertices
+(`mien.face.render.gpu_light`), folds the skin, finds what each pixel shows (four samples, nearest triangle) and shades
+it (`mien.face.render.gpu_shaders`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.errors import InputError
+from mien.face.folds import TINT, Folds
 from mien.face.posing import PosedFace
 from mien.face.render import rasteriser as raster
 from mien.face.render.colour import SRGB_BYTES
-from mien.face.render.gpu_shaders import BUFFERS, ENCODED, PLACED, SHADED, WHOLE_PICTURE
+from mien.face.render.gpu_light import LightOnCard
+from mien.face.render.gpu_shaders import BUFFERS, ENCODED, FOLDED, PLACED, SHADED, WHOLE_PICTURE
 from mien.face.render.graphics_card import graphics_card
 from mien.face.render.relief import tile
 from mien.face.render.renderer import LINEAR_OF_BYTE, Picture, Renderer, Room
+from mien.face.render.scene import LEVELS
 
 __all__ = ["GpuRenderer"]
-
-_COLUMNS = "3f 3f 3f 2f 2f 2f 1f", "in_place", "in_normal", "in_diffuse", "in_gloss", "in_open", "in_uv", "in_solid"
 
 
 class GpuRenderer(Renderer):
@@ -61,15 +64,23 @@ class GpuRenderer(Renderer):
         raster.set_up(
             points, scene.triangles, scene.triangle_part, scene.texture_level, seen, needed, room.planes, room.level
         )
-        lit, openness = self._light(vertices, normals, needed, threads)
-        raster.pack(normals, lit, openness, scene.albedo, scene.gloss, np.flatnonzero(needed), points)
-        self._folded(posed, room, seen)
+        finest = np.full(len(scene.sheet), LEVELS - 1, dtype=np.int8)
+        raster.finest_levels(seen, scene.triangle_part, room.level, finest)
         solid, clear = np.flatnonzero(seen & ~self._clear), np.flatnonzero(seen & self._clear)
         drawn = np.concatenate([solid, clear])
-        part = scene.triangle_part[drawn]
-        about = np.empty((len(drawn), 4), np.int32)
-        about[:, :3], about[:, 3] = scene.texture_level[part, np.maximum(room.level[drawn], 0)], part
-        return self._card.do(lambda: self._canvas.draw(points, scene.triangles[drawn], about, len(solid), room))
+        levels = LEVELS * scene.triangle_part[drawn] + np.maximum(room.level[drawn], 0)
+        corners = scene.triangles[drawn]
+
+        def paint() -> Picture:
+            for folds, number in zip(canvas.folds, folded, strict=True):
+                folds.lay(posed.channels, int(scene.texture_level[number, finest[number], 0]))
+            return canvas.draw(vertices, normals, corners, levels, len(solid))
+
+        canvas, folded = self._canvas, [number for _, _, number in self.folds]
+        return self._card.do(paint)
+
+    def _room(self) -> Room:
+        return Room(self.scene, self.height, self.width, False)  # its texels are those without folds
 
 
 class _Canvas:
@@ -96,20 +107,33 @@ class _Canvas:
             raise InputError(f"the graphics card cannot draw {size[0]} x {size[1]} pixels: {problem}") from problem
         tables = np.concatenate([LINEAR_OF_BYTE, SRGB_BYTES, renderer.noise.reshape(-1)]).astype(np.float32)
         parts = np.stack([scene.tiles, scene.opacity], axis=1)
+        part = np.arange(len(parts))[:, None, None]
+        levels = np.concatenate([scene.texture_level, np.broadcast_to(part, (len(parts), LEVELS, 1))], axis=2)
         self._buffers = {
-            "triangles": context.buffer(reserve=16 * count, dynamic=True),
+            "triangles": context.buffer(reserve=4 * count, dynamic=True),
             "parts": context.buffer(parts.tobytes()),
-            "texels": context.buffer(_in_words(scene.texels)),
-            "alphas": context.buffer(_in_words(scene.alphas)),
+            "levels": context.buffer(np.ascontiguousarray(levels, np.int32).tobytes()),
+            "texels": context.buffer(_in_words(scene.texels, scene.alphas)),
             "tables": context.buffer(tables.tobytes()),
         }
-        self._points = context.buffer(reserve=4 * raster.COLUMNS * len(scene.uv), dynamic=True)
+        self.folds = [
+            _FoldsOnCard(context, folds, scene.alphas, smooth, self._buffers["texels"])
+            for folds, smooth, _ in renderer.folds
+        ]
+        self._light = LightOnCard(context, renderer)
+        fixed = context.buffer(np.hstack([scene.albedo, scene.gloss, scene.uv, scene.solid[:, None]]).tobytes())
+        inputs = [
+            (self._light.vertices, "3f", "in_vertex"), (self._light.normals, "3f", "in_normal"),
+            (self._light.lit, "4f", "in_lit"), (self._light.dome, "1f", "in_dome"),
+            (fixed, "3f 2f 2f 1f", "in_albedo", "in_gloss", "in_uv", "in_solid"),
+        ]  # fmt: skip
         self._corners = context.buffer(reserve=12 * count, dynamic=True)
         self._relief = context.texture(tile().shape[:2], 3, tile().tobytes(), dtype="f4")
         uniforms: dict[str, Any] = {
             "size": size,
             "nearest": raster.NEAREST_MM,
-            "per_pixel": 1 / camera.focal_pixels(renderer.height),
+            "focal": camera.focal_pixels(renderer.height),
+            "place": camera.place(),
             "view": camera.axes(),  # its rows are the columns of OpenGL's matrix
             "directions": lights.directions[:3],
             "colours": lights.colours[:3],
@@ -123,7 +147,7 @@ class _Canvas:
             program = context.program(vertex_shader=PLACED, fragment_shader=shaded)
             for name, value in uniforms.items():
                 program[name].write(np.array(value, np.float32).tobytes())
-            painter = context.vertex_array(program, [(self._points, *_COLUMNS)], index_buffer=self._corners)
+            painter = context.vertex_array(program, inputs, index_buffer=self._corners)
             self._painters.append((program, painter))
         self._encoding = context.program(vertex_shader=WHOLE_PICTURE, fragment_shader=ENCODED)
         self._encoding["transparent"].value = renderer.transparent
@@ -133,23 +157,20 @@ class _Canvas:
 
     def draw(
         self,
-        points: NDArray[np.float32],
+        vertices: NDArray[np.float32],
+        normals: NDArray[np.float32],
         corners: NDArray[np.int32],
-        about: NDArray[np.int32],
+        levels: NDArray[np.int32],
         solid: int,
-        room: Room,
     ) -> Picture:
         """The picture of triangles ``corners`` (t, 3), of which the first ``solid`` ones hide what is behind.
 
-        ``about`` (t, 4): of the level of the texture the first texel, width (0: none) and height; and the part.
+        ``levels`` (t,): which row of the table of levels tells its texture.
         """
         context, gl = self._context, self._gl
-        self._points.write(points)
+        self._light.light(vertices, normals)
         self._corners.write(corners)
-        self._buffers["triangles"].write(about)
-        for change in room.changed:
-            begin, end = 12 * (change.start // 4), min(room.texels.size, 12 * -(-change.stop // 4))  # in whole words
-            self._buffers["texels"].write(room.texels.reshape(-1)[begin:end], offset=begin)
+        self._buffers["triangles"].write(levels)
         for name, number in BUFFERS.items():
             self._buffers[name].bind_to_storage_buffer(number)
         self._samples.use()
@@ -171,9 +192,36 @@ class _Canvas:
         self._encoder.render(gl.TRIANGLES, vertices=3)
         picture = np.empty(self._shape, np.uint8)
         self._picture.read_into(picture, components=self._shape[2], alignment=1)
+        if (error := context.error) != "GL_NO_ERROR":
+            raise InputError(f"the graphics card could not draw: {error}; --painter processor can")
         return picture
 
 
-def _in_words(numbers: NDArray[np.uint8]) -> bytes:
-    """The bytes, filled up to whole words, and one word more: a texel may begin in the last."""
-    return numbers.tobytes() + bytes(4 + -numbers.size % 4)
+class _FoldsOnCard:
+    """The folds of one texture (`mien.face.folds`) and what they need on the card."""
+
+    def __init__(
+        self, context: Any, folds: Folds, alphas: NDArray[np.uint8], smooth: NDArray[np.uint8], texels: Any
+    ) -> None:
+        self._folds = folds
+        self._program = context.compute_shader(FOLDED)
+        self._program["tint"].write(TINT.tobytes())
+        entries = np.stack([folds.owners, folds.shades], axis=1).astype(np.float32)
+        self._weights = context.buffer(reserve=4 * len(folds.folds))
+        given = folds.texels.astype(np.int32).tobytes(), _in_words(smooth, alphas[folds.texels]), folds.starts.tobytes()
+        places, unfolded, starts = (context.buffer(each) for each in given)
+        self._buffers = places, unfolded, starts, texels, context.buffer(entries.tobytes()), self._weights
+
+    def lay(self, channels: Mapping[str, float], first: int) -> None:
+        """Fold all texels from ``first`` on as a pose has it."""
+        begin = int(np.searchsorted(self._folds.texels, first))
+        self._weights.write(self._folds.weights(channels))
+        self._program["begin"].value = begin
+        for number, buffer in enumerate(self._buffers):
+            buffer.bind_to_storage_buffer(number)
+        self._program.run(max(1, -(-(len(self._folds.texels) - begin) // 256)))
+
+
+def _in_words(texels: NDArray[np.uint8], alphas: NDArray[np.uint8]) -> bytes:
+    """Red, green, blue and opacity of a texel in one number."""
+    return np.column_stack([texels, alphas]).tobytes()

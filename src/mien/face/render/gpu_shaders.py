@@ -10,14 +10,14 @@ from mien.face.render.colour import KNEE, SRGB_STEPS
 from mien.face.render.relief import PIT_SHADE, SLOPE_SHADE
 from mien.face.render.shading import MOST_SHINE
 
-__all__ = ["BUFFERS", "ENCODED", "PLACED", "SHADED", "WHOLE_PICTURE"]
+__all__ = ["BUFFERS", "ENCODED", "FOLDED", "PLACED", "SHADED", "WHOLE_PICTURE"]
 
-BUFFERS = {"triangles": 0, "parts": 1, "texels": 2, "alphas": 3, "tables": 4}
-"""Storage buffers and where they are bound."""
+BUFFERS = {"triangles": 0, "parts": 1, "levels": 2, "texels": 3, "tables": 4}
+"""Storage buffers of `SHADED` and where they are bound."""
 
 _TABLES = f"""
 layout(std430, binding = {BUFFERS["tables"]}) readonly buffer Tables {{
-    float linear[256];
+    float light_of_byte[256];
     float srgb[{SRGB_STEPS}];
     float noise[64];
 }};
@@ -26,12 +26,16 @@ layout(std430, binding = {BUFFERS["tables"]}) readonly buffer Tables {{
 PLACED = """
 #version 430
 uniform vec2 size;
+uniform float focal;
 uniform float nearest;
-in vec3 in_place;  // in the picture, and 1 / depth
+uniform vec3 place;
+uniform mat3 view;  // columns across, up, back
+in vec3 in_vertex;
 in vec3 in_normal;
-in vec3 in_diffuse;
+in vec4 in_lit;
+in float in_dome;
+in vec3 in_albedo;
 in vec2 in_gloss;
-in vec2 in_open;
 in vec2 in_uv;
 in float in_solid;
 centroid out vec3 normal;
@@ -39,12 +43,12 @@ centroid out vec3 diffuse;
 centroid out vec4 gloss_open;
 centroid out vec3 uv_solid;
 void main() {
-    float depth = 1.0 / max(in_place.z, 1e-9);
+    vec3 seen = (in_vertex - place) * view;
     // The picture's first row is the lowest of OpenGL, which is the first that is read back. Near is 1, far away 0.
-    gl_Position = vec4((2.0 * in_place.xy / size - 1.0) * depth, 2.0 * nearest - depth, depth);
+    gl_Position = vec4(2.0 * focal * vec2(seen.x, -seen.y) / size, 2.0 * nearest + seen.z, -seen.z);
     normal = in_normal;
-    diffuse = in_diffuse;
-    gloss_open = vec4(in_gloss, in_open);
+    diffuse = in_albedo * in_lit.rgb;
+    gloss_open = vec4(in_gloss, in_lit.a, in_dome);
     uv_solid = vec3(in_uv, in_solid);
 }
 """
@@ -53,13 +57,13 @@ SHADED = f"""
 #version 430
 #define CLEAR 0
 {_TABLES}
-layout(std430, binding = {BUFFERS["triangles"]}) readonly buffer Triangles {{ ivec4 triangles[]; }};
+layout(std430, binding = {BUFFERS["triangles"]}) readonly buffer Triangles {{ int triangles[]; }};
 layout(std430, binding = {BUFFERS["parts"]}) readonly buffer Parts {{ vec2 parts[]; }};
+layout(std430, binding = {BUFFERS["levels"]}) readonly buffer Levels {{ ivec4 levels[]; }};
 layout(std430, binding = {BUFFERS["texels"]}) readonly buffer Texels {{ uint texels[]; }};
-layout(std430, binding = {BUFFERS["alphas"]}) readonly buffer Alphas {{ uint alphas[]; }};
 uniform int first_triangle;
 uniform vec2 size;
-uniform float per_pixel;
+uniform float focal;
 uniform mat3 view;  // columns across, up, back
 uniform vec3 directions[3];
 uniform vec3 colours[3];
@@ -74,10 +78,8 @@ centroid in vec3 uv_solid;
 out vec4 colour;
 
 vec3 texel(int number) {{
-    int at = 3 * number, shift = 8 * (at & 3);
-    uint word = texels[at >> 2] >> shift;
-    if (shift > 8) word |= texels[(at >> 2) + 1] << (32 - shift);
-    return vec3(linear[word & 255u], linear[(word >> 8) & 255u], linear[(word >> 16) & 255u]);
+    uint word = texels[number];
+    return vec3(light_of_byte[word & 255u], light_of_byte[(word >> 8) & 255u], light_of_byte[(word >> 16) & 255u]);
 }}
 
 vec3 texture_colour(ivec4 found) {{  // bilinear
@@ -95,8 +97,7 @@ int kept_samples(ivec4 found) {{  // of what is seen through: as many as its opa
     float kept = parts[found.w].y;
     if (found.y > 0) {{
         ivec2 at = clamp(ivec2(uv_solid.xy * vec2(found.yz)), ivec2(0), found.yz - 1);
-        int number = found.x + at.y * found.y + at.x;
-        kept *= float((alphas[number >> 2] >> (8 * (number & 3))) & 255u) / 255.0;
+        kept *= float(texels[found.x + at.y * found.y + at.x] >> 24) / 255.0;
     }}
     ivec2 pixel = ivec2(gl_FragCoord.xy) & 7;
     int mask = 0;
@@ -117,7 +118,7 @@ vec3 highlight(vec3 n, vec3 v, vec3 l, float alpha, float head_on) {{
 }}
 
 void main() {{
-    ivec4 found = triangles[first_triangle + gl_PrimitiveID];
+    ivec4 found = levels[triangles[first_triangle + gl_PrimitiveID]];
 #if CLEAR
     int mask = kept_samples(found);
     if (mask == 0) discard;
@@ -135,7 +136,7 @@ void main() {{
         n -= moved;
         light *= 1.0 - {SLOPE_SHADE} * key * dot(moved, directions[0]) - relief_share * {PIT_SHADE} * bump.z;
     }}
-    vec2 from_middle = (0.5 * size - gl_FragCoord.xy) * vec2(per_pixel, -per_pixel);
+    vec2 from_middle = (0.5 * size - gl_FragCoord.xy) * vec2(1.0, -1.0) / focal;
     vec3 v = normalize(view * vec3(from_middle, 1.0));
     n /= length(n) + 1e-9;
     float open = dome * dome;
@@ -153,6 +154,30 @@ void main() {{
 }}
 """
 
+FOLDED = """
+#version 430
+layout(local_size_x = 256) in;
+layout(std430, binding = 0) readonly buffer Places { int places[]; };
+layout(std430, binding = 1) readonly buffer Smooth { uint smooth_texels[]; };
+layout(std430, binding = 2) readonly buffer Starts { int starts[]; };
+layout(std430, binding = 3) buffer Texels { uint texels[]; };
+layout(std430, binding = 4) readonly buffer Entries { vec2 entries[]; };  // fold, shade
+layout(std430, binding = 5) readonly buffer Weights { float weights[]; };
+uniform int begin;
+uniform vec3 tint;
+void main() {
+    int number = begin + int(gl_GlobalInvocationID.x);
+    if (number >= places.length()) return;
+    float dark = 0.0;
+    for (int e = starts[number]; e < starts[number + 1]; e++) dark += weights[int(entries[e].x)] * entries[e].y;
+    uint word = smooth_texels[number];
+    vec3 colour = vec3(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u);
+    uvec3 folded = uvec3(clamp(colour * (1.0 - clamp(dark, -1.0, 1.0) * tint), 0.0, 255.0));
+    texels[places[number]] = folded.r | folded.g << 8 | folded.b << 16 | (word & 0xff000000u);
+}
+"""
+"""`mien.face.folds.Folds.lay`."""
+
 WHOLE_PICTURE = """
 #version 430
 void main() {
@@ -169,9 +194,9 @@ uniform sampler2D backdrop;
 uniform bool transparent;
 out vec4 pixel;
 
-float byte(float value, float dither) {{
-    int step = int(sqrt(clamp(value, 0.0, 1.0)) * {SRGB_STEPS - 1}.0 + 0.5);
-    return floor(min(255.0, srgb[step] + dither)) / 255.0;
+float encoded(float value, float dither) {{
+    int number = int(sqrt(clamp(value, 0.0, 1.0)) * {SRGB_STEPS - 1}.0 + 0.5);
+    return floor(min(255.0, srgb[number] + dither)) / 255.0;
 }}
 
 void main() {{
@@ -183,6 +208,6 @@ void main() {{
         return;
     }}
     vec3 light = transparent ? drawn.rgb / drawn.a : drawn.rgb + (1.0 - drawn.a) * texelFetch(behind, at, 0).rgb;
-    pixel = vec4(byte(light.r, dither), byte(light.g, dither), byte(light.b, dither), min(drawn.a, 1.0));
+    pixel = vec4(encoded(light.r, dither), encoded(light.g, dither), encoded(light.b, dither), min(drawn.a, 1.0));
 }}
 """

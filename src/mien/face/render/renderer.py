@@ -46,7 +46,6 @@ class Room:
         self.points[:, [raster.U, raster.V]] = scene.uv
         self.points[:, raster.SOLID] = scene.solid
         self.texels = scene.texels.copy() if folded else scene.texels
-        self.changed: list[slice] = []  # texels that the last folds may have changed
 
 
 class Renderer:
@@ -95,7 +94,7 @@ class Renderer:
         whole = face if self.scale == 1 else _scaled(face, self.scale)
         self.detail = Detail.of(whole, self.camera.field_mm / height)
         self.scene = Scene.of(self.detail.face if self.detail else whole, self.lighting.reach_mm)
-        self._folds = [
+        self.folds = [
             (folds, self.scene.texels[folds.texels], number)
             for number, (part, levels) in enumerate(zip(face.parts, self.scene.texture_level, strict=True))
             if (folds := folds_of(part, levels[levels[:, 1] > 0])) is not None
@@ -151,7 +150,7 @@ class Renderer:
                 self._rooms.append(room)
 
     def _room(self) -> Room:
-        return Room(self.scene, self.height, self.width, bool(self._folds))
+        return Room(self.scene, self.height, self.width, bool(self.folds))
 
     def _drawn(
         self,
@@ -199,19 +198,16 @@ class Renderer:
 
     def folded(self, posed: PosedFace) -> NDArray[np.uint8]:
         """The texels of all parts with the folds that a pose has, shape (n, 3)."""
-        return self._folded(posed, self._room(), None)
+        return self._folded(posed, Room(self.scene, self.height, self.width, bool(self.folds)), None)
 
     def _folded(self, posed: PosedFace, room: Room, seen: NDArray[np.bool_] | None) -> NDArray[np.uint8]:
         """Of textures on triangles that are ``seen`` only the levels that are read are right."""
         finest = np.full(len(self.scene.sheet), 0 if seen is None else LEVELS - 1, dtype=np.int8)
-        if seen is not None and self._folds:
+        if seen is not None and self.folds:
             raster.finest_levels(seen, self.scene.triangle_part, room.level, finest)
-        room.changed = []
-        for folds, smooth, number in self._folds:
-            levels = self.scene.texture_level[number]
-            first = int(levels[finest[number], 0])
+        for folds, smooth, number in self.folds:
+            first = int(self.scene.texture_level[number, finest[number], 0])
             folds.lay(folds.weights(posed.channels), smooth, room.texels, first)
-            room.changed.append(slice(first, int(levels[-1, 0] + levels[-1, 1] * levels[-1, 2])))
         return room.texels
 
     def empty(self) -> Picture:
