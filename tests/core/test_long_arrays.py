@@ -11,7 +11,7 @@ import pytest
 
 import mien.core.audio
 from mien.core.audio import Audio
-from mien.core.long_arrays import let_go, long_array, trim
+from mien.core.long_arrays import GrowingSound, let_go, long_array, trim
 
 
 def test_what_was_let_go_is_still_there() -> None:
@@ -48,3 +48,16 @@ def test_a_long_sound_is_resampled_to_the_same_bits(monkeypatch: pytest.MonkeyPa
     at_once = sound.resampled(16_000)
     monkeypatch.setattr(mien.core.audio, "LONG", 1)
     assert sound.resampled(16_000) == at_once
+
+
+def test_a_sound_that_grows_long_goes_on_on_the_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mien.core.long_arrays.LONG", 2)
+    pieces = [np.random.default_rng(n).random(700).astype(np.float32) for n in range(5)]
+    sound = GrowingSound(1000)
+    for piece in pieces:
+        sound.add(piece)
+    taken = sound.taken()
+    np.testing.assert_array_equal(taken, np.concatenate(pieces))
+    taken *= 2
+    let_go(taken)
+    np.testing.assert_array_equal(taken, 2 * np.concatenate(pieces))

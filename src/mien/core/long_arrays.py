@@ -11,12 +11,12 @@ import sys
 import tempfile
 from functools import cache
 from mmap import mmap
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LONG", "let_go", "long_array", "trim"]
+__all__ = ["LONG", "GrowingSound", "let_go", "long_array", "trim"]
 
 LONG = 600
 """Seconds from which on a sound is long."""
@@ -36,6 +36,52 @@ def long_array(count: int) -> NDArray[np.float32]:
     with tempfile.TemporaryFile() as file:
         file.truncate(4 * max(count, 1))
         return np.frombuffer(mmap(file.fileno(), 0), np.float32, count)
+
+
+class GrowingSound:
+    """A sound that is made piece by piece; once it is `LONG` what there is of it goes to the disk.
+
+    Parameters
+    ----------
+    rate : int
+        Samples per second.
+
+    Examples
+    --------
+    >>> sound = GrowingSound(8000)
+    >>> sound.add(np.array([0.5, 0.25]))
+    >>> sound.add(np.zeros(1))
+    >>> len(sound), sound.taken().tolist()
+    (3, [0.5, 0.25, 0.0])
+    """
+
+    def __init__(self, rate: int) -> None:
+        self._rate, self._count = rate, 0
+        self._pieces: list[NDArray[np.float32]] = []
+        self._file: IO[bytes] | None = None
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, samples: NDArray[np.floating]) -> None:
+        """Go on with some samples."""
+        self._pieces.append(samples.astype(np.float32))
+        self._count += len(samples)
+        if self._file is None and self._count > LONG * self._rate:
+            self._file = tempfile.TemporaryFile()
+        if self._file is not None:
+            for piece in self._pieces:
+                self._file.write(piece.tobytes())
+            self._pieces.clear()
+
+    def taken(self) -> NDArray[np.float32]:
+        """All of it, to be changed by who takes it; nothing is left here."""
+        pieces, self._pieces = self._pieces, []
+        if self._file is None:
+            return np.concatenate(pieces) if pieces else np.zeros(0, np.float32)
+        with self._file as file:
+            file.flush()
+            return np.frombuffer(mmap(file.fileno(), 0), np.float32, self._count)
 
 
 def let_go(array: NDArray[Any]) -> None:

@@ -140,6 +140,7 @@ def _align_by_sentence(
             if phone.label == PAUSE and found and found[-1].label == PAUSE:
                 start = found.pop().start
             found.append(replace(phone, start=start, end=end, word=word))
+        audio.rest()
         tell("finding the times", number, len(cuts) - 1)
     return found
 

@@ -7,6 +7,7 @@ write from our own ARPAbet pronunciations; it tells how long each letter lasts, 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from importlib.resources import files
 from importlib.util import find_spec
@@ -73,11 +74,12 @@ class Kokoro(Voice):
         settings = letter_table("kokoro")
         limit = settings["longest"]
         asked = [piece for sentence in sentences for piece in shorter_than(limit, sentence)]
-        pieces = []
-        for piece in asked:
-            pieces.append(self._speak_piece(piece))
-            tell("speaking", len(pieces), len(asked))
-        return join_pieces(pieces, settings["sample_rate"])
+        return join_pieces(self._pieces(asked), settings["sample_rate"])
+
+    def _pieces(self, asked: Sequence[Sentence]) -> Iterator[Piece]:
+        for number, piece in enumerate(asked, start=1):
+            yield self._speak_piece(piece)
+            tell("speaking", number, len(asked))
 
     def _speak_piece(self, sentence: Sentence) -> Piece:
         settings = letter_table("kokoro")

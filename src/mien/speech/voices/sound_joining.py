@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.long_arrays import GrowingSound, let_go
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE
 from mien.speech.voices.sentences import Sentence
@@ -24,6 +25,7 @@ _QUIET = 10 ** (-50 / 20)
 _MARGIN_SECONDS = 0.03
 _FADE_SECONDS = 0.005
 _SHORTEST = 1e-4
+_BLOCK = 2**20  # samples
 
 
 @dataclass(frozen=True)
@@ -46,29 +48,25 @@ class Piece:
     sentence: Sentence
 
 
-def join_pieces(pieces: Sequence[Piece], rate: int) -> Speech:
+def join_pieces(pieces: Iterable[Piece], rate: int) -> Speech:
     """Put sentences one after another: silence at both ends trimmed to 0.2 s, pauses by punctuation, peak -3 dBFS."""
-    sound: list[NDArray[np.floating]] = [np.zeros(round(_EDGE_SECONDS * rate), dtype=np.float32)]
-    length = len(sound[0])
+    sound, pause = GrowingSound(rate), _EDGE_SECONDS
     phones: list[Interval] = []
     words: list[Interval] = []
     breaks: list[Break] = []
-    for number, piece in enumerate(pieces):
+    for piece in pieces:
+        sound.add(np.zeros(round(pause * rate)))
         samples, first = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
-        shift = length / rate - first / rate
+        shift = len(sound) / rate - first / rate
         low, high = shift + first / rate, shift + (first + len(samples)) / rate
         phones += _moved(piece.phones, shift, low, high)
         words += _moved(piece.words, shift, low, high)
-        sound.append(samples.astype(np.float32))  # what the engines gave: a long text is kept as it came
-        last = number == len(pieces) - 1
-        pause = _EDGE_SECONDS if last else _PAUSE_SECONDS[piece.sentence.mark]
-        sound.append(np.zeros(round(pause * rate), dtype=np.float32))
-        length += len(samples) + len(sound[-1])
+        sound.add(samples)
+        pause = _PAUSE_SECONDS[piece.sentence.mark]
         said = len(piece.sentence.words) + (breaks[-1].words if breaks else 0)
         breaks.append(Break(high + pause / 2, said))
-    joined = np.concatenate(sound).astype(np.float32, copy=False)
-    sound.clear()
-    audio = Audio.taking(_levelled(joined), rate)  # ten thousand words are not held three times
+    sound.add(np.zeros(round(_EDGE_SECONDS * rate)))
+    audio = Audio.taking(_levelled(sound.taken()), rate)  # ten thousand words are not held three times
     if not phones:
         return Speech(audio, None, None, tuple(breaks[:-1]))
     tiers = _with_pauses(phones, audio.duration), Tier("words", tuple(words))
@@ -119,8 +117,13 @@ def _append(phones: list[Interval], phone: Interval) -> None:
 
 def _levelled(samples: NDArray[np.float32]) -> NDArray[np.float32]:
     """In place."""
-    samples -= np.float32(samples.mean(dtype=np.float64))
-    peak = max(samples.max(initial=0.0), -samples.min(initial=0.0))
-    if peak > 0:
-        samples *= np.float32(LEVEL / peak)
+    parts = [samples[start : start + _BLOCK] for start in range(0, len(samples), _BLOCK)]
+    mean, peak = np.float32(sum(float(part.sum(dtype=np.float64)) for part in parts) / max(len(samples), 1)), 0.0
+    for part in parts:
+        part -= mean
+        peak = max(peak, float(np.abs(part).max()))
+        let_go(samples)
+    for part in parts if peak > 0 else ():
+        part *= np.float32(LEVEL / peak)
+        let_go(samples)
     return samples
