@@ -68,7 +68,7 @@ class GrowingSound:
         self._pieces.append(samples.astype(np.float32))
         self._count += len(samples)
         if self._file is None and self._count > LONG * self._rate:
-            self._file = tempfile.TemporaryFile()
+            self._file = tempfile.TemporaryFile()  # noqa: SIM115  # closed when it is taken
         if self._file is not None:
             for piece in self._pieces:
                 self._file.write(piece.tobytes())

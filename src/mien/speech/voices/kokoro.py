@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.assets import asset
+from mien.core.long_arrays import LONG, trim
 from mien.core.progress import tell
 from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_parts, run_once
 from mien.speech.voices.sentences import Sentence, shorter_than
@@ -74,7 +75,12 @@ class Kokoro(Voice):
         settings = letter_table("kokoro")
         limit = settings["longest"]
         asked = [piece for sentence in sentences for piece in shorter_than(limit, sentence)]
-        return join_pieces(self._pieces(asked), settings["sample_rate"])
+        speech = join_pieces(self._pieces(asked), settings["sample_rate"])
+        if speech.audio.duration >= LONG:  # what follows needs the room
+            _said.cache_clear()
+            _network.cache_clear()
+            trim()
+        return speech
 
     def _pieces(self, asked: Sequence[Sentence]) -> Iterator[Piece]:
         for number, piece in enumerate(asked, start=1):
