@@ -115,8 +115,8 @@ class Expression:
                 sampled = self.space_of(span.name).sample(span.name, float(np.floor(times[-1]) + 1), draws)
                 for here in map(slice, range(0, len(times), _BLOCK), range(_BLOCK, len(times) + _BLOCK, _BLOCK)):
                     values[here] += shown[here, None] * sampled.carried_at(times[here])
-                if span.name in self.spoken:
-                    values += (shown * speaking)[:, None] * self.spoken[span.name]
+                    if span.name in self.spoken:
+                        values[here] += (shown * speaking)[here, None] * self.spoken[span.name]
         return values
 
 
