@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.core.audio import Audio
+from mien.core.long_arrays import LONG, let_go, long_array
+from mien.core.progress import tell
 
 __all__ = ["RATE", "DecoderError", "Piece", "pcm16", "transcribe", "words_in"]
 
@@ -39,10 +42,18 @@ class Piece:
 def pcm16(audio: Audio) -> NDArray[np.int16]:
     """The sound as the decoder takes it: 16 kHz, 16 bit."""
     samples = audio.resampled(RATE).samples
-    found = np.empty(len(samples), dtype=np.int16)
+    found = _room(len(samples))
     for start in range(0, len(samples), _BLOCK):
         found[start : start + _BLOCK] = np.round(samples[start : start + _BLOCK].astype(np.float64) * 32767)
+        let_go(samples)
+        let_go(found)
     return found
+
+
+def _room(count: int) -> NDArray[np.int16]:
+    if count < LONG * RATE:
+        return np.empty(count, np.int16)
+    return np.frombuffer(long_array((count + 1) // 2), np.int16, count)
 
 
 def words_in(samples: NDArray[np.int16], pieces: Sequence[Piece]) -> list[list[str]]:
@@ -68,6 +79,21 @@ def transcribe(samples: NDArray[np.int16], pieces: Sequence[Piece]) -> list[list
 
 
 def _ask(task: str, samples: NDArray[np.int16], pieces: Sequence[Piece]) -> list[Any]:
+    """What one process after another answers: each gets as much as is not long."""
+    answers: list[Any] = []
+    waiting = list(pieces)
+    while waiting:
+        begin = waiting[0].first
+        count = max(1, bisect_right(waiting, begin + LONG * RATE, key=lambda piece: piece.last))
+        now, waiting = waiting[:count], waiting[count:]
+        here = [Piece(piece.first - begin, piece.last - begin) for piece in now]
+        answers += _answer(task, samples[begin : now[-1].last], here)
+        let_go(samples)
+        tell("listening", len(answers), len(pieces))
+    return answers
+
+
+def _answer(task: str, samples: NDArray[np.int16], pieces: Sequence[Piece]) -> list[Any]:
     job = {"task": task, "pieces": [[piece.first, piece.last] for piece in pieces]}
     message = json.dumps(job).encode() + b"\n" + samples.astype("<i2").tobytes()
     limit = _SECONDS_TO_START + _SECONDS_PER_SECOND * len(samples) / RATE

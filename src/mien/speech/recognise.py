@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mien.core.assets import asset_table
 from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, InputError, MissingPartError, Note
+from mien.core.long_arrays import let_go
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align_words, tiers
@@ -99,12 +100,14 @@ def _nothing(audio: Audio, language: str) -> Utterance:
 def _quiet_cuts(samples: NDArray[np.int16]) -> list[Piece]:
     """Pieces of 7 to 15 s, cut in the middle of the quietest 0.2 s."""
     window = RATE // 5
-    power = np.concatenate([[0.0], np.cumsum(samples.astype(np.float64) ** 2)])
     cuts = [0]
     while len(samples) - cuts[-1] > _LONGEST_PIECE * RATE:
-        starts = np.arange(cuts[-1] + int(_SHORTEST_PIECE * RATE), cuts[-1] + int(_LONGEST_PIECE * RATE), RATE // 100)
-        starts = starts[starts + window < len(samples)]
-        cuts.append(int(starts[np.argmin(power[starts + window] - power[starts])]) + window // 2)
+        about = samples[cuts[-1] : cuts[-1] + int(_LONGEST_PIECE * RATE) + window].astype(np.float64)
+        power = np.concatenate([[0.0], np.cumsum(about**2)])
+        starts = np.arange(int(_SHORTEST_PIECE * RATE), int(_LONGEST_PIECE * RATE), RATE // 100)
+        starts = starts[starts + window < len(about)]
+        cuts.append(cuts[-1] + int(starts[np.argmin(power[starts + window] - power[starts])]) + window // 2)
+        let_go(samples)
     cuts.append(len(samples))
     return [Piece(first, last) for first, last in pairwise(cuts)]
 
