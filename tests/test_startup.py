@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+import mien
+
 BENCHMARK = Path(__file__).parent.parent / "benchmarks/startup.py"
 HEAVY = {"numba", "llvmlite", "scipy", "sklearn", "matplotlib", "av", "aiohttp", "asyncio", "ezc3d"}
 """Packages that a line without a picture has no use for; each takes a good part of a second to load."""
@@ -52,3 +54,12 @@ def test_help_loads_no_numpy(arguments: list[str]) -> None:
     loaded = set(done.stdout.strip().splitlines()[-1].split())
     assert "mien.cli.main" in loaded
     assert not {"numpy", "asyncio", "importlib.metadata", *HEAVY} & loaded
+
+
+def test_the_first_lines_are_reached_before_anything_is_imported() -> None:
+    """Until then Ctrl-C ends in a traceback that nobody can catch."""
+    source = Path(mien.__file__).parents[1]
+    program = f"import os, sys; sys.path.insert(0, {str(source)!r}); old = set(sys.modules); import mien.__main__; " \
+              "print(sorted(set(sys.modules) - old))"  # fmt: skip
+    loaded = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.strip() == "['__future__', 'mien', 'mien.__main__']"

@@ -5,15 +5,14 @@
 ['align', 'animate', 'doctor', 'evaluate', 'express', 'faces', 'import_corpus', 'learn', 'load', 'recolor', 'save',
  'say', 'score', 'stimuli']
 
-The names are loaded when first used, so that ``import mien`` stays quick.
+The names are loaded when first used, so that ``import mien`` stays quick, and the command's first lines are reached
+before anybody can stop it: nothing is imported here, not even ``typing``.
 """
 
 from __future__ import annotations
 
-from importlib import import_module as _import_module
-from typing import TYPE_CHECKING as _TYPE_CHECKING
-
-if _TYPE_CHECKING:
+TYPE_CHECKING = False
+if TYPE_CHECKING:
     from mien.animation.animation import Animation
     from mien.api.calls import align, animate, express, save, say
     from mien.api.corpus_calls import faces, import_corpus, learn, load, stimuli
@@ -93,4 +92,6 @@ def __getattr__(name: str) -> object:
         return version("mien")
     if name not in _HOMES:
         raise AttributeError(f"module 'mien' has no attribute {name!r}")
-    return getattr(_import_module(_HOMES[name]), name)
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)
