@@ -12,7 +12,7 @@ from PIL import Image
 from mien.core.errors import InputError, OutputError
 from mien.core.timeline import FrameRate
 from mien.face.render.view import View
-from mien.formats.picture_files import frame_files
+from mien.formats.picture_files import _in_256_colours, frame_files
 from mien.formats.registry import check_output, save
 from tests.faces import tiny_animation, tiny_face
 
@@ -42,6 +42,17 @@ def test_a_gif_of_many_frames_a_second_leaves_some_out_and_says_so(tmp_path):
     (note,) = save(tiny_animation(120, FrameRate.of(120)), tmp_path / "a.gif", face=tiny_face(), view=SMALL)
     assert "every 3 frames one" in note.message
     assert sum(stays for _, stays in frames_of(tmp_path / "a.gif")) == 1000
+
+
+def test_few_pixels_keep_their_colour_in_a_gif():
+    down, right = np.mgrid[0:600, 0:600] / 600
+    picture = np.stack([200 + 40 * right, 150 + 50 * down, 130 + 40 * right * down], axis=2)  # many shades of skin
+    picture[:200] = np.stack([90 + 60 * right, 100 + 60 * right, 110 + 60 * down], axis=2)[:200]  # and of the ground
+    lips = np.stack([140 + 800 * right, 40 + 600 * right, 50 + 800 * down], axis=2)[:6, :30]
+    picture[300:306, 300:330] = lips
+    shown = np.asarray(_in_256_colours(picture.astype(np.uint8)).convert("RGB")).astype(int)
+    assert np.abs(shown[300:306, 300:330] - lips).mean() < 8
+    assert np.abs(shown - picture).mean() < 3
 
 
 def test_a_transparent_gif_shows_nothing_behind_the_face_in_any_frame(tmp_path):
