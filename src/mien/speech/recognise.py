@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mien.core.assets import asset_table
 from mien.core.audio import Audio
 from mien.core.errors import AlignmentError, InputError, MissingPartError, Note
-from mien.core.long_arrays import let_go
+from mien.core.long_arrays import LONG, let_go
 from mien.core.timeline import Interval, Tier
 from mien.core.utterance import PAUSE, Utterance
 from mien.speech.align import align_words, tiers
@@ -82,6 +82,8 @@ def recognise(audio: Audio, *, language: str = "en-US", recogniser: Recogniser |
     except DecoderError as failure:
         raise AlignmentError(f"the recogniser {recogniser} failed: {failure}; give the text of the sound") from failure
     words = [word for piece in heard for word in piece]
+    if audio.duration >= LONG:
+        _spellings.cache_clear()  # 50 MB, and what follows needs the room
     if not words:
         return _nothing(audio, language)
     labels = [label for label, _ in words]

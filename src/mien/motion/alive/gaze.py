@@ -64,8 +64,20 @@ class HandMadeGaze:
         self, utterance: Utterance, times: Floats, random: np.random.Generator, score: Score = UNDIRECTED
     ) -> Floats:
         """The eyeLook channels at the times, shape (times, channels)."""
+        values = np.zeros((len(times), len(channels.ALL)))
+        self.look(values, utterance, times, random, score)
+        return values
+
+    def look(
+        self,
+        values: Floats,
+        utterance: Utterance,
+        times: Floats,
+        random: np.random.Generator,
+        score: Score = UNDIRECTED,
+    ) -> None:
+        """Set the eyeLook channels of some motion at the times, shape (times, channels)."""
         saccades = self.saccades(utterance, float(times[-1]) + 1.0 if len(times) else 1.0, random, score)
-        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         side, height = self.directions(saccades, times)
         degrees = self._table["degrees"]
         for name, amount, full in (
@@ -79,7 +91,6 @@ class HandMadeGaze:
             ("eyeLookDownRight", -height, degrees["down"]),
         ):
             values[:, channels.ALL.index(name)] = np.clip(amount / full, 0.0, 1.0)
-        return values
 
     def saccades(
         self, utterance: Utterance, end: float, random: np.random.Generator, score: Score = UNDIRECTED

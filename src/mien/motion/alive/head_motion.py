@@ -97,11 +97,17 @@ class LearnedHead:
 
     def perform(self, utterance: Utterance, rate: FrameRate) -> Floats:
         """Head channels for every frame that covers the sound, (frames, channels); still where nothing is said."""
+        angles = self.angles(utterance, rate)
+        values = np.zeros((len(angles), len(channels.ALL)))
+        values[:, [channels.ALL.index(name) for name in channels.HEAD]] = angles
+        return values
+
+    def angles(self, utterance: Utterance, rate: FrameRate) -> Floats:
+        """The same as yaw, pitch and roll alone, (frames, 3)."""
         times = rate.times(rate.frames_covering(utterance.duration))
-        values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
         spoken = [phone for phone in utterance.phones if phone.label != PAUSE]
         if not spoken or not len(times):
-            return values
+            return np.zeros((len(times), 3))
         own = np.arange(0.0, utterance.duration + 2 / RATE, 1 / RATE)
         plain = _plain_features(utterance, own)
         angles = np.empty((len(own), 3))
@@ -112,9 +118,7 @@ class LearnedHead:
         angles = angles - angles[inside].mean(axis=0)
         ramp = np.clip(np.minimum(own - spoken[0].start + 0.6, spoken[-1].end + 0.6 - own) / 0.6, 0, 1)
         angles = angles * (ramp * ramp * (3 - 2 * ramp))[:, None]
-        for column, name in enumerate(channels.HEAD):
-            values[:, channels.ALL.index(name)] = np.interp(times, own, angles[:, column])
-        return values
+        return np.stack([np.interp(times, own, column) for column in angles.T], axis=1)
 
     def write(self, path: str | Path) -> None:
         """Keep it in a ``.npz`` file."""

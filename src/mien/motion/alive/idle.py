@@ -41,7 +41,6 @@ HEAD_TIME = 1.1  # seconds over which the head drifts
 SIGNS = ("blinks", "gaze", "sway", "head")
 """What can be switched."""
 _HEAD = [channels.ALL.index(name) for name in channels.HEAD]
-_EYES = [place for place, name in enumerate(channels.ALL) if name.startswith("eyeLook")]
 
 
 class HandMadeIdle:
@@ -118,7 +117,7 @@ class HandMadeIdle:
         for_blinks, for_gaze, for_head = random.spawn(3)
         self._add_blinks(values, times, self.blink_times(utterance, for_blinks, manner), manner)
         if self.gaze:
-            values[:, _EYES] = self._gaze.perform(utterance, times, for_gaze, score)[:, _EYES]
+            self._gaze.look(values, utterance, times, for_gaze, score)
         self._add_head(values, utterance, rate, for_head, manner)
         return values
 
@@ -127,7 +126,7 @@ class HandMadeIdle:
     ) -> None:
         times = rate.times(len(values))
         if self.head:
-            values[:, _HEAD] = default_head().perform(utterance, rate)[:, _HEAD]
+            values[:, _HEAD] = default_head().angles(utterance, rate)
         if self.sway:
             for name, spread in HEAD_SWAY.items():
                 values[:, channels.ALL.index(name)] += spread * smooth_drift(times, HEAD_TIME, random)
