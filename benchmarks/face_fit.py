@@ -35,7 +35,8 @@ that movement, which is what no shapes at all would give as 100 %). MakeHuman mo
 millimetres, so a head of another size than the default's counts as error what mien scales with the face; **carried**
 leaves that out: against the default's shapes on the truly corresponding vertices. **Lips**, **lids**: what is left
 open between the lips of `jawOpen` with `mouthClose` (98th percentile along them), and between the lids in a blink
-(95th). All in mm. The scan has no true shapes.
+(95th). All in mm. The scan has no true shapes. The default's shapes go part of the way
+to a second artist's; MakeHuman's characters do not move like that, and **error** holds the difference.
 """
 SOME = (
     *needed_landmarks(), "lid_upper_left", "lid_upper_right", "lid_lower_left", "lid_lower_right", "lip_upper_inner",
