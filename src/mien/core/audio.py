@@ -118,6 +118,7 @@ class Audio:
             made = stream.resample_chunk(self.samples[start : start + _BLOCK], last=last)[: len(found) - done]
             found[done : done + len(made)] = made
             done += len(made)
+            let_go(found)
             self.rest()
         return Audio.taking(found[:done], rate)
 
