@@ -130,12 +130,17 @@ class TextGraph:
         rows = [[place for place in row if place >= 0] for row in before]
         width = max(map(len, rows))
         self.before = np.array([row + [-1] * (width - len(row)) for row in rows])
-        after = list(range(len(rows)))
-        for place, row in enumerate(rows):
-            for earlier in row:
-                after[earlier] = max(after[earlier], place)
-        self.reach = np.maximum.accumulate(np.array(after))
+        self.reach = _reach(rows)
         """The last phone that may follow any phone up to this one."""
+
+
+def _reach(before: Sequence[Sequence[int]]) -> NDArray[np.intp]:
+    """The last place that may follow any up to each one, shape (places,)."""
+    after = list(range(len(before)))
+    for place, row in enumerate(before):
+        for earlier in row:
+            after[earlier] = max(after[earlier], place)
+    return np.maximum.accumulate(np.array(after, dtype=np.intp))
 
 
 def search(heard: Single, graph: TextGraph, beam: float = BEAM) -> list[Found] | None:

@@ -173,13 +173,7 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     width = float(cut["width"]) * chance.uniform(0.7, 1.25, count) * (0.35 + 0.65 * inside)
     if float(cut["fall"]) >= 0.3:
         width = width * (1 + 0.9 * smoothstep(0.55, 0.1, layer))  # inner strands fill the gaps
-    x, y, z = np.moveaxis(line, 2, 0)
-    over = ((np.abs(x) < 60) & (y < 56) & (z > 6)).any(axis=1)
-    if "drop" in cut:
-        # Nor do single strands hang on the brow or before the ear.
-        outside = ground.depth(line, cut) < -_OFF_BROW
-        over |= (outside & (np.where(y > 20, z + 5, z + 45) > 0)).any(axis=1)
-    kept = np.flatnonzero(~(over & (front < 0.5) & (length > 60)))  # no strand hangs into the face
+    kept = np.flatnonzero(~(_over_the_face(ground, cut, line) & (front < 0.5) & (length > 60)))
     kept = kept[np.argsort(-layer[kept], kind="stable")]  # the outermost are drawn first: they hide the others
     pieces = [(line[kept], normals[kept], width[kept], layer[kept])]
     if tie is not None:
@@ -191,6 +185,17 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
         for n, piece in enumerate(pieces)
     ]
     return (_cap(space, face, ground, cut, person, part), *parts) if cut.get("cap", 1) else tuple(parts)
+
+
+def _over_the_face(ground: Ground, cut: Mapping[str, Any], line: Floats) -> NDArray[np.bool_]:
+    """Which strands hang into the face."""
+    x, y, z = np.moveaxis(line, 2, 0)
+    over = ((np.abs(x) < 60) & (y < 56) & (z > 6)).any(axis=1)
+    if "drop" in cut:
+        # Nor do single strands hang on the brow or before the ear.
+        outside = ground.depth(line, cut) < -_OFF_BROW
+        over |= (outside & (np.where(y > 20, z + 5, z + 45) > 0)).any(axis=1)
+    return np.asarray(over)
 
 
 def _ends(

@@ -221,19 +221,15 @@ class LightOnCard:
             )
             for casters in (renderer.key_casters, (scene.coarse_casters, scene.coarse_vertices))
         ]
-        for program, uniforms in (
-            (self._cast, {"centre": scene.head_centre, "radius": scene.head_radius}),
-            (
-                self._gather,
-                {
-                    "axes": self._axes, "colours": lights.colours, "place": renderer.camera.place(),
-                    "centre": scene.head_centre, "radius": scene.head_radius, "wrap": lights.wrap,
-                    "bounce": lights.bounce, "deep": 1 / (lights.reach_mm * light.THROUGH_MM),
-                },
-            ),
-        ):  # fmt: skip
-            for name, value in uniforms.items():
-                program[name].write(_floats(value))
+        self._cast["centre"].write(_floats(scene.head_centre))
+        self._cast["radius"].write(_floats(scene.head_radius))
+        uniforms = {
+            "axes": self._axes, "colours": lights.colours, "place": renderer.camera.place(),
+            "centre": scene.head_centre, "radius": scene.head_radius, "wrap": lights.wrap, "bounce": lights.bounce,
+            "deep": 1 / (lights.reach_mm * light.THROUGH_MM),
+        }  # fmt: skip
+        for name, value in uniforms.items():
+            self._gather[name].write(_floats(value))
         self._gather["key_map"].value, self._gather["soft_maps"].value = 0, 1
 
     def light(self, vertices: NDArray[np.float32], normals: NDArray[np.float32]) -> None:

@@ -83,6 +83,23 @@ class GpuRenderer(Renderer):
         return Room(self.scene, self.height, self.width, False)  # its texels are those without folds
 
 
+def _uniforms(renderer: Renderer) -> dict[str, Any]:
+    """What the shader of surfaces is told once: camera, lights and relief."""
+    lights, camera = renderer.lighting, renderer.camera
+    return {
+        "size": (renderer.width, renderer.height),
+        "nearest": raster.NEAREST_MM,
+        "focal": camera.focal_pixels(renderer.height),
+        "place": camera.place(),
+        "view": camera.axes(),  # its rows are the columns of OpenGL's matrix
+        "directions": lights.directions[:3],
+        "colours": lights.colours[:3],
+        "sky": lights.sky,
+        "exposure": lights.exposure,
+        "relief_share": renderer.relief_share,
+    }
+
+
 class _Canvas:
     """What a renderer keeps on the card; made and used in the card's thread."""
 
@@ -90,7 +107,7 @@ class _Canvas:
         import moderngl
 
         self._gl, self._context = moderngl, context
-        scene, lights, camera = renderer.scene, renderer.lighting, renderer.camera
+        scene = renderer.scene
         self._shape = renderer.height, renderer.width, 4 if renderer.transparent else 3
         size, count = (renderer.width, renderer.height), len(scene.triangles)
         context.gc()
@@ -129,23 +146,11 @@ class _Canvas:
         ]  # fmt: skip
         self._corners = context.buffer(reserve=12 * count, dynamic=True)
         self._relief = context.texture(tile().shape[:2], 3, tile().tobytes(), dtype="f4")
-        uniforms: dict[str, Any] = {
-            "size": size,
-            "nearest": raster.NEAREST_MM,
-            "focal": camera.focal_pixels(renderer.height),
-            "place": camera.place(),
-            "view": camera.axes(),  # its rows are the columns of OpenGL's matrix
-            "directions": lights.directions[:3],
-            "colours": lights.colours[:3],
-            "sky": lights.sky,
-            "exposure": lights.exposure,
-            "relief_share": renderer.relief_share,
-        }
         self._painters = []
         for clear in (0, 1):
             shaded = SHADED.replace("#define CLEAR 0", f"#define CLEAR {clear}")
             program = context.program(vertex_shader=PLACED, fragment_shader=shaded)
-            for name, value in uniforms.items():
+            for name, value in _uniforms(renderer).items():
                 program[name].write(np.array(value, np.float32).tobytes())
             painter = context.vertex_array(program, inputs, index_buffer=self._corners)
             self._painters.append((program, painter))
