@@ -178,12 +178,9 @@ def hair_parts(space: HeadSpace, face: Face, person: Person) -> tuple[Part, ...]
     pieces = [(line[kept], normals[kept], width[kept], layer[kept])]
     if tie is not None:
         pieces.append(_tied(cut, ground, tie, person, chance))
-    parts = [
-        strands_part(
-            "hair" if n == 0 else "hair_tail", *piece, person, chance, 0.1 if tie is None else 0.06, "drop" in cut
-        )
-        for n, piece in enumerate(pieces)
-    ]
+    named = zip(("hair", "hair_tail"), pieces, strict=False)
+    twist = 0.1 if tie is None else 0.06
+    parts = [strands_part(name, *piece, person, chance, twist, "drop" in cut) for name, piece in named]
     return (_cap(space, face, ground, cut, person, part), *parts) if cut.get("cap", 1) else tuple(parts)
 
 
