@@ -24,11 +24,11 @@ def piece(before: float, tone: float, after: float, mark: str = ".", level: floa
     samples = np.concatenate([np.zeros(round(before * RATE)), sine, np.zeros(round(after * RATE))])
     half = before + tone / 2
     phones = (Interval(before, half, "AA"), Interval(half, before + tone, "M"))
-    return Piece(samples, phones, (Interval(before, before + tone, "om"),), om(mark))
+    return Piece(samples, RATE, phones, (Interval(before, before + tone, "om"),), om(mark))
 
 
 def test_times_follow_the_sound_through_trimming_and_joining() -> None:
-    speech = join_pieces([piece(0.5, 0.4, 0.7), piece(0.1, 0.3, 0.0)], RATE)
+    speech = join_pieces([piece(0.5, 0.4, 0.7), piece(0.1, 0.3, 0.0)])
     assert speech.phones is not None
     assert speech.words is not None
     samples = speech.audio.samples
@@ -41,7 +41,7 @@ def test_times_follow_the_sound_through_trimming_and_joining() -> None:
 
 
 def test_phones_cover_the_whole_sound_without_gaps() -> None:
-    speech = join_pieces([piece(0.5, 0.4, 0.7, "?"), piece(0.0, 0.3, 0.2)], RATE)
+    speech = join_pieces([piece(0.5, 0.4, 0.7, "?"), piece(0.0, 0.3, 0.2)])
     assert speech.phones is not None
     phones = speech.phones.intervals
     assert phones[0].start == 0
@@ -52,7 +52,7 @@ def test_phones_cover_the_whole_sound_without_gaps() -> None:
 
 def test_ends_are_short_silences_and_marks_set_the_pauses() -> None:
     def gap(mark: str) -> float:
-        speech = join_pieces([piece(1.0, 0.4, 1.0, mark), piece(1.0, 0.4, 1.0)], RATE)
+        speech = join_pieces([piece(1.0, 0.4, 1.0, mark), piece(1.0, 0.4, 1.0)])
         assert speech.words is not None
         first, second = speech.words.intervals
         assert 0.1 <= first.start <= 0.3
@@ -64,24 +64,31 @@ def test_ends_are_short_silences_and_marks_set_the_pauses() -> None:
 
 @pytest.mark.parametrize("level", [0.001, 0.9, 5.0])
 def test_peak_is_three_decibels_below_full_scale(level: float) -> None:
-    speech = join_pieces([piece(0.1, 0.4, 0.1, level=level)], RATE)
+    speech = join_pieces([piece(0.1, 0.4, 0.1, level=level)])
     assert np.abs(speech.audio.samples).max() == pytest.approx(LEVEL, rel=0.01)
 
 
 def test_without_times_there_are_no_tiers() -> None:
-    bare = Piece(piece(0.1, 0.2, 0.1).samples, (), (), om("."))
-    speech = join_pieces([bare], RATE)
+    bare = Piece(piece(0.1, 0.2, 0.1).samples, RATE, (), (), om("."))
+    speech = join_pieces([bare])
+    assert speech.phones is None
+    assert speech.words is None
+
+
+def test_one_sentence_without_times_takes_them_from_all() -> None:
+    bare = Piece(piece(0.1, 0.2, 0.1).samples, RATE, (), (), om("."))
+    speech = join_pieces([piece(0.1, 0.2, 0.1), bare])
     assert speech.phones is None
     assert speech.words is None
 
 
 def test_a_silent_piece_stays_silent() -> None:
-    speech = join_pieces([Piece(np.zeros(800), (), (), om("."))], RATE)
+    speech = join_pieces([Piece(np.zeros(800), RATE, (), (), om("."))])
     assert not speech.audio.samples.any()
 
 
 def test_breaks_stand_in_the_pauses_and_count_the_words() -> None:
-    speech = join_pieces([piece(0.5, 0.4, 0.7), piece(0.1, 0.3, 0.2, "?"), piece(0.1, 0.3, 0.2)], RATE)
+    speech = join_pieces([piece(0.5, 0.4, 0.7), piece(0.1, 0.3, 0.2, "?"), piece(0.1, 0.3, 0.2)])
     assert speech.phones is not None
     assert [pause.words for pause in speech.breaks] == [1, 2]
     assert all(

@@ -6,7 +6,7 @@ input and output.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from mien.core.assets import asset_table
+from mien.core.progress import tell
 from mien.core.timeline import Interval
 from mien.core.utterance import PAUSE
-from mien.speech.voices.sentences import Sentence, Word
+from mien.speech.voices.sentences import Sentence, Word, in_groups
 from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
 from mien.text.languages import Language, find_language, known_languages
@@ -102,17 +103,20 @@ Labels = Callable[[Sequence[str]], Sequence[Sequence[str] | None]]
 
 
 def _spoken(request: dict[str, Any], sentences: tuple[Sentence, ...], voice: str, labels: Labels) -> Speech:
-    answer, raw = ask_espeak(request | {"sentences": [sentence.text for sentence in sentences]}, voice)
-    sound = np.frombuffer(raw, dtype=np.int16).astype(np.float64) / 32768
-    counts = [part["samples"] for part in answer["sentences"]]
-    chunks = np.split(sound, np.cumsum(counts)[:-1])
-    pieces = [
-        _piece(sentence, part, chunk, answer["rate"], labels)
-        for sentence, part, chunk in zip(sentences, answer["sentences"], chunks, strict=True)
-    ]
-    if not all(piece.phones for piece in pieces):
-        pieces = [Piece(piece.samples, (), (), piece.sentence) for piece in pieces]
-    return join_pieces(pieces, answer["rate"])
+    return join_pieces(_pieces(request, sentences, voice, labels))
+
+
+def _pieces(request: dict[str, Any], sentences: tuple[Sentence, ...], voice: str, labels: Labels) -> Iterator[Piece]:
+    spoken = 0
+    for group in in_groups(sentences):
+        answer, raw = ask_espeak(request | {"sentences": [sentence.text for sentence in group]}, voice)
+        first = 0
+        for sentence, part in zip(group, answer["sentences"], strict=True):
+            samples = np.frombuffer(raw, np.int16, part["samples"], 2 * first).astype(np.float64) / 32768
+            first += part["samples"]
+            yield _piece(sentence, part, samples, answer["rate"], labels)
+        spoken += len(group)
+        tell("speaking", spoken, len(sentences))
 
 
 def _english(name: str) -> Sequence[str] | None:
@@ -138,7 +142,7 @@ def _piece(
     places = [place / rate for place, _ in part["phones"]] + [part["samples"] / rate]
     for names, (start, end) in zip(known, pairwise(places), strict=True):
         if names is None:
-            return Piece(samples, (), (), sentence)
+            return Piece(samples, rate, (), (), sentence)
         if names:
             edges = np.linspace(start, end, len(names) + 1).tolist()
             phones += [Interval(a, b, label) for label, (a, b) in zip(names, pairwise(edges), strict=True)]
@@ -147,7 +151,7 @@ def _piece(
     phones = [phone for phone in phones if phone.label != PAUSE and phone.duration > 0]
     starts = {character: place / rate for place, character in part["words"]}
     words = words_in_time(sentence.words, _characters(sentence), starts, phones)
-    return Piece(samples, _joined(phones, words), words, sentence)
+    return Piece(samples, rate, _joined(phones, words), words, sentence)
 
 
 def _joined(phones: Sequence[Interval], words: Sequence[Interval]) -> list[Interval]:

@@ -7,6 +7,7 @@ whatever else might have slipped through.
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,10 @@ import soundfile
 from mien.core.assets import asset, asset_table
 from mien.core.errors import InputError, MissingPartError, Note
 from mien.core.external_program import run_program
+from mien.core.progress import tell
 from mien.core.temporary_folder import temporary_folder
 from mien.core.timeline import Interval
-from mien.speech.voices.sentences import Sentence
+from mien.speech.voices.sentences import Sentence, in_groups
 from mien.speech.voices.sound_joining import Piece, join_pieces
 from mien.speech.voices.voice import Availability, Speech, Voice
 from mien.text.languages import find_language
@@ -63,20 +65,24 @@ class Festival(Voice):
         return Availability(False, f"on Debian or Ubuntu run: apt install festival {self._package}")
 
     def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
-        with temporary_folder() as folder:
-            waves = [folder / f"{number}.wav" for number in range(len(sentences))]
-            script = folder / "speak.scm"
-            script.write_bytes(self._script(sentences, waves))
-            printed = run_program([_PROGRAM, "--batch", str(script)], self.name).decode("latin-1")
-            told = printed.split("sentence\n")[1:]
-            if len(told) != len(sentences) or not all(wave.exists() for wave in waves):
-                raise MissingPartError(f"Festival spoke {len(told)} of {len(sentences)} sentences: reinstall it")
-            sounds = [soundfile.read(wave, dtype="float64") for wave in waves]
-        pieces = [
-            Piece(samples, *_times(lines, sentence, self._phones), sentence)
-            for (samples, _), lines, sentence in zip(sounds, told, sentences, strict=True)
-        ]
-        return join_pieces(pieces, sounds[0][1])
+        return join_pieces(self._pieces(sentences))
+
+    def _pieces(self, sentences: tuple[Sentence, ...]) -> Iterator[Piece]:
+        spoken = 0
+        for group in in_groups(sentences):
+            with temporary_folder() as folder:
+                waves = [folder / f"{number}.wav" for number in range(len(group))]
+                script = folder / "speak.scm"
+                script.write_bytes(self._script(group, waves))
+                printed = run_program([_PROGRAM, "--batch", str(script)], self.name).decode("latin-1")
+                told = printed.split("sentence\n")[1:]
+                if len(told) != len(group) or not all(wave.exists() for wave in waves):
+                    raise MissingPartError(f"Festival spoke {len(told)} of {len(group)} sentences: reinstall it")
+                for wave, lines, sentence in zip(waves, told, group, strict=True):
+                    samples, rate = soundfile.read(wave, dtype="float64")
+                    yield Piece(samples, rate, *_times(lines, sentence, self._phones), sentence)
+            spoken += len(group)
+            tell("speaking", spoken, len(sentences))
 
     def _script(self, sentences: tuple[Sentence, ...], waves: list[Path]) -> bytes:
         functions = asset("voices/festival.scm").read_text(encoding="ascii")

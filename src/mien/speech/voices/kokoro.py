@@ -75,7 +75,7 @@ class Kokoro(Voice):
         settings = letter_table("kokoro")
         limit = settings["longest"]
         asked = [piece for sentence in sentences for piece in shorter_than(limit, sentence)]
-        speech = join_pieces(self._pieces(asked), settings["sample_rate"])
+        speech = join_pieces(self._pieces(asked))
         if speech.audio.duration >= LONG:  # what follows needs the room
             _said.cache_clear()
             _network.cache_clear()
@@ -95,7 +95,7 @@ class Kokoro(Voice):
         seconds = settings["samples_per_frame"] / settings["sample_rate"]
         ends = np.maximum(np.cumsum(np.ravel(frames).astype(np.float64)) - settings["frames_late"], 0.0) * seconds
         phones, words = times_of(letters, list(pairwise(ends.tolist()[:-1])), sentence)
-        return Piece(np.ravel(samples), phones, words, sentence)
+        return Piece(np.ravel(samples), settings["sample_rate"], phones, words, sentence)
 
 
 @lru_cache(maxsize=64)

@@ -7,6 +7,7 @@ same text gives the same samples.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib.resources import files
 from importlib.util import find_spec
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mien.core.progress import tell
 from mien.speech.voices.onnx_voice import RUNTIME_PACKAGE, have_runtime, open_network, read_model, with_output
 from mien.speech.voices.sentences import Sentence, shorter_than
 from mien.speech.voices.sound_joining import Piece, join_pieces
@@ -57,8 +59,14 @@ class Piper(Voice):
 
     def _speak(self, sentences: tuple[Sentence, ...], seed: int) -> Speech:
         limit = letter_table("piper")["longest"]
-        pieces = [_speak_piece(piece) for sentence in sentences for piece in shorter_than(limit, sentence)]
-        return join_pieces(pieces, _config()["audio"]["sample_rate"])
+        asked = [piece for sentence in sentences for piece in shorter_than(limit, sentence)]
+        return join_pieces(_pieces(asked))
+
+
+def _pieces(asked: Sequence[Sentence]) -> Iterator[Piece]:
+    for number, piece in enumerate(asked, start=1):
+        yield _speak_piece(piece)
+        tell("speaking", number, len(asked))
 
 
 def _speak_piece(sentence: Sentence) -> Piece:
@@ -83,7 +91,7 @@ def _speak_piece(sentence: Sentence) -> Piece:
     # Letter k is number 2 k + 2; with the pad before it, it runs from the end of number 2 k to its own end.
     edges = ends[0::2].tolist()
     phones, words = times_of(letters, list(pairwise(edges))[: len(letters)], sentence)
-    return Piece(np.ravel(samples), phones, words, sentence)
+    return Piece(np.ravel(samples), config["audio"]["sample_rate"], phones, words, sentence)
 
 
 @cache

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from mien.text.pronunciation import Pronunciation, pronounce
 from mien.text.spoken_text import SpokenText
 
-__all__ = ["Sentence", "Word", "sentences_of", "shorter_than"]
+__all__ = ["Sentence", "Word", "in_groups", "sentences_of", "shorter_than"]
 
 _FULL_STOPS = ".?!"
+_WORDS_AT_ONCE = 500
 _LINKING = frozenset(
     re.findall(
         r"\w+", "and but or nor so that which who when while where because since if unless until although before as"
@@ -88,6 +89,21 @@ def sentences_of(spoken: SpokenText) -> tuple[Sentence, ...]:
             sentences.append(Sentence(tuple(words)))
             words = []
     return tuple(sentences)
+
+
+def in_groups(sentences: Sequence[Sentence]) -> Iterator[tuple[Sentence, ...]]:
+    """Whole sentences of at least 500 words together: what an engine that is a program of its own is asked at once.
+
+    So a long text is never held in memory as a whole, and its progress can be told.
+    """
+    group: list[Sentence] = []
+    for sentence in sentences:
+        group.append(sentence)
+        if sum(len(one.words) for one in group) >= _WORDS_AT_ONCE:
+            yield tuple(group)
+            group = []
+    if group:
+        yield tuple(group)
 
 
 def shorter_than(limit: int, sentence: Sentence) -> Iterator[Sentence]:

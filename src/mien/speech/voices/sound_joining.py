@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,8 @@ class Piece:
     ----------
     samples : ndarray, shape (n,)
         Any level.
+    rate : int
+        Samples per second, the same for all pieces of one sound.
     phones, words : sequence of Interval
         Seconds from the piece's start; pauses may be left out. Empty if the engine has no times.
     sentence : Sentence
@@ -43,22 +46,31 @@ class Piece:
     """
 
     samples: NDArray[np.floating]
+    rate: int
     phones: Sequence[Interval]
     words: Sequence[Interval]
     sentence: Sentence
 
 
-def join_pieces(pieces: Iterable[Piece], rate: int) -> Speech:
-    """Put sentences one after another: silence at both ends trimmed to 0.2 s, pauses by punctuation, peak -3 dBFS."""
+def join_pieces(pieces: Iterable[Piece]) -> Speech:
+    """Put sentences one after another: silence at both ends trimmed to 0.2 s, pauses by punctuation, peak -3 dBFS.
+
+    There are times only where the engine gave them for every sentence.
+    """
+    remaining = iter(pieces)
+    first = next(remaining)
+    rate = first.rate
     sound, pause = GrowingSound(rate), _EDGE_SECONDS
     phones: list[Interval] = []
     words: list[Interval] = []
     breaks: list[Break] = []
-    for piece in pieces:
+    complete = True
+    for piece in chain([first], remaining):
+        complete = complete and bool(piece.phones)
         sound.add(np.zeros(round(pause * rate)))
-        samples, first = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
-        shift = len(sound) / rate - first / rate
-        low, high = shift + first / rate, shift + (first + len(samples)) / rate
+        samples, before = _trimmed(np.asarray(piece.samples, dtype=np.float64), rate)
+        shift = len(sound) / rate - before / rate
+        low, high = shift + before / rate, shift + (before + len(samples)) / rate
         phones += _moved(piece.phones, shift, low, high)
         words += _moved(piece.words, shift, low, high)
         sound.add(samples)
@@ -67,7 +79,7 @@ def join_pieces(pieces: Iterable[Piece], rate: int) -> Speech:
         breaks.append(Break(high + pause / 2, said))
     sound.add(np.zeros(round(_EDGE_SECONDS * rate)))
     audio = Audio.taking(_levelled(sound.taken()), rate)  # ten thousand words are not held three times
-    if not phones:
+    if not complete or not phones:
         return Speech(audio, None, None, tuple(breaks[:-1]))
     tiers = _with_pauses(phones, audio.duration), Tier("words", tuple(words))
     return Speech(audio, *tiers, tuple(breaks[:-1]))
