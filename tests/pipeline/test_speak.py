@@ -5,7 +5,7 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.pipeline.speak import speak, speak_over
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import translate
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.intensity import IntensityCurve
 from mien.text.score import EmotionSpan, Score

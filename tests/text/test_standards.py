@@ -8,7 +8,7 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.pipeline.speak import speak
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import translate
 from mien.text.script_reading import read_script, read_script_file
 from tests.serve.modules.speaking import toy_voice
 

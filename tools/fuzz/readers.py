@@ -68,7 +68,7 @@ def script(path: Path) -> None:
 
 
 def spoken(path: Path) -> None:
-    from mien.pipeline.text_inputs import read_text
+    from mien.pipeline.inputs import read_text
     from mien.text.normalisation import spoken_words
 
     spoken_words(read_text(path))

@@ -16,7 +16,7 @@ from mien.formats.saving import save
 from mien.motion.alive.visual_prosody import DEFAULT_STRENGTH
 from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
-from mien.pipeline.inputs import aligned, sound_of, spoken_recording, spoken_text
+from mien.pipeline.inputs import aligned, read_text, sound_of, spoken_recording, spoken_text, text_or_file
 from mien.pipeline.options import (
     DEFAULT_FPS,
     Effort,
@@ -34,7 +34,6 @@ from mien.pipeline.options import (
     split_auto,
     with_heard_effort,
 )
-from mien.pipeline.text_inputs import read_text, text_or_file
 from mien.text.script import Script
 
 __all__ = ["DEFAULT_FPS", "align", "animate", "express", "read_motion", "read_text", "save", "say"]

@@ -164,7 +164,7 @@ def _add_language_option(parser: argparse.ArgumentParser) -> None:
 
 def _say(options: argparse.Namespace) -> int:
     from mien.api import calls as api
-    from mien.pipeline.text_inputs import text_or_file
+    from mien.pipeline.inputs import text_or_file
 
     face = checked_face(options, [options.script, options.text, options.edits])
     if (options.text is None) == (options.script is None):

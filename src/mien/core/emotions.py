@@ -17,9 +17,20 @@ from mien.core.channels import HEAD
 from mien.core.errors import InputError, unknown_name
 from mien.core.facs import action_units
 
-__all__ = ["EMOTION_FOLDER", "emotion_sources", "emotion_table", "emotions"]
+__all__ = ["EMOTION_FOLDER", "NOUNS", "emotion_called", "emotion_sources", "emotion_table", "emotions"]
 
 EMOTION_FOLDER = "performance/emotions"
+NOUNS: dict[str, str] = {
+    "joy": "happy",
+    "happiness": "happy",
+    "fear": "afraid",
+    "anger": "angry",
+    "disgust": "disgusted",
+    "sadness": "sad",
+    "surprise": "surprised",
+    "frustration": "frustrated",
+}
+"""What else the emotions of mien are called."""
 _NEEDED = ("episodes", "lean", "head", "units", "arousal")
 
 
@@ -43,6 +54,18 @@ def emotions() -> Mapping[str, Mapping[str, Any]]:
     for name, table in found.items():
         _check(asset(f"{EMOTION_FOLDER}/{name}.toml"), table)
     return found
+
+
+def emotion_called(word: str) -> str:
+    """The emotion that a word names; a word that is no other name of one is left as it is, in small letters.
+
+    Examples
+    --------
+    >>> emotion_called("Joy"), emotion_called("fear"), emotion_called("wistful")
+    ('happy', 'afraid', 'wistful')
+    """
+    small = word.strip().lower()
+    return NOUNS.get(small, small)
 
 
 def emotion_table() -> dict[str, Any]:

@@ -22,8 +22,7 @@ from mien.core.tracks import ChannelTrack
 from mien.core.utterance import Utterance
 from mien.motion.performer import Performer
 from mien.pipeline.perform import perform
-from mien.pipeline.spoken import Spoken
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import Spoken, translate
 from mien.text.score import EmotionSpan, Score
 
 __all__ = [

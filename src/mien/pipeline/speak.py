@@ -19,7 +19,7 @@ from mien.pipeline.spoken_joining import Joined, Joiner, WordPlace, over_longer_
 from mien.speech.sound_reshaping import Change, reshape
 from mien.text.commands import CommandLibrary, shipped_library
 from mien.text.languages import find_language, read_words
-from mien.text.languages.language_detection import note_on_language
+from mien.text.languages.reading import note_on_language
 from mien.text.normalisation import spoken_words
 from mien.text.score import UNDIRECTED, Score
 from mien.text.script import Script, Segment

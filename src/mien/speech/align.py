@@ -25,8 +25,7 @@ from mien.speech.streaming_features import HOP, RATE
 from mien.speech.text_search import OTHER, Found, TextGraph, search
 from mien.text.languages import Language, find_language, heard_as, in_english_phones, native_tier
 from mien.text.languages.language import ENGLISH
-from mien.text.languages.language_detection import note_on_language
-from mien.text.languages.reading import read_in
+from mien.text.languages.reading import note_on_language, read_in
 from mien.text.normalisation import spoken_words
 from mien.text.pronunciation import Pronunciation
 from mien.text.spoken_text import Spelled, SpokenWord, with_spellings

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.core.emotions import emotion_called
 from mien.core.errors import InputError
 from mien.text.effort_spans import EffortSpan
-from mien.text.emotion_words import emotion_called
 from mien.text.intensity import IntensityCurve, checked_intensity, parse_intensity
 from mien.text.parameter_curves import ParameterCurve
 
@@ -31,7 +31,7 @@ class EmotionSpan:
     Attributes
     ----------
     name : str
-        Name of an emotion, such as ``"happy"``; ``"joy"`` and other nouns are understood (`mien.text.emotion_words`).
+        Name of an emotion, such as ``"happy"``; ``"joy"`` and other nouns are understood (`mien.core.emotions`).
     intensity : float or IntensityCurve
         0 (neutral) to 1 (full), held or changing over time; Deng et al. 2006.
     start, end : float or None

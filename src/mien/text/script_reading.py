@@ -17,11 +17,10 @@ from mien.core.limits import read_bytes
 from mien.core.plain_text import decode_text
 from mien.text.bml import read_bml
 from mien.text.commands import CommandLibrary, shipped_library
-from mien.text.emotion_words import with_long_tags
 from mien.text.script import Script
 from mien.text.script_builder import Builder
 from mien.text.tag_elements import ELEMENTS
-from mien.text.tags import ROOTS, Event, is_document, read_document, read_tagged_text
+from mien.text.tags import ROOTS, Event, is_document, read_document, read_tagged_text, with_long_tags
 
 __all__ = ["SUFFIXES", "read_script", "read_script_file", "script_text"]
 

@@ -4,6 +4,9 @@ In plain text a ``<`` is the start of a tag only if a tag follows: ``<`` with a 
 ``3 < 4``, ``I <3 you`` and ``a <- b`` are text and spoken. ``&lt; &gt; &amp; &quot; &apos;`` and ``&#960;`` stand for
 their characters. A document that begins with an XML declaration or one of the roots ``script``, ``speak`` and ``bml``
 is XML and read strictly.
+
+``<angry>...</angry>`` is short for ``<emotion name="angry">...</emotion>``, ``<angry 0.6>`` for the same at 0.6; one
+that is not closed holds to the end of the text, or until the next that is not.
 """
 
 from __future__ import annotations
@@ -12,15 +15,16 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cache, cached_property
 from html import unescape
 from typing import Literal
 from xml.parsers import expat
 
+from mien.core.emotions import NOUNS, emotion_called, emotions
 from mien.core.errors import InputError, near_names
 from mien.core.limits import check_size
 
-__all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text", "unknown_tag"]
+__all__ = ["ROOTS", "Event", "is_document", "read_document", "read_tagged_text", "unknown_tag", "with_long_tags"]
 
 ROOTS = ("script", "speak", "bml")
 """Root elements of the documents that can be read: mien's own, SSML, BML."""
@@ -285,3 +289,49 @@ def read_document(text: str, source: str) -> Iterator[Event]:
             f"{source}, line {problem.lineno + skipped}: not well-formed XML: {message}{unclosed}"
         ) from problem
     yield from events
+
+
+@cache
+def _short_tag() -> re.Pattern[str]:
+    words = "|".join(sorted({*emotions(), *NOUNS}, key=len, reverse=True))
+    return re.compile(rf"<(?P<end>/)?(?P<name>{words})(?:[ \t]+(?P<strength>[01]?\.?\d{{1,6}}))?[ \t]*>")
+
+
+def with_long_tags(text: str, known: Collection[str] = ()) -> tuple[str, tuple[str, ...]]:
+    """A text in which short tags of emotions are written out, and which of them are never closed.
+
+    Every other character stays, lines too.
+
+    Parameters
+    ----------
+    text : str
+    known : collection of str
+        Names that mean something else.
+
+    Examples
+    --------
+    >>> with_long_tags("<angry 0.6>No!</angry> Well.")
+    ('<emotion name="angry" intensity="0.6">No!</emotion> Well.', ())
+    >>> with_long_tags("Oh. <joy>It is you!")
+    ('Oh. <emotion name="happy">It is you!</emotion>', ('joy',))
+    """
+    pieces, place, opened, held = [], 0, list[str](), list[str]()
+    tags = [found for found in _short_tag().finditer(text) if found["name"] not in known]
+    ends = [found["name"] for found in tags if found["end"]]
+    for found in tags:
+        name = found["name"]
+        pieces.append(text[place : found.start()])
+        place = found.end()
+        if found["end"]:
+            ends.remove(name)
+            pieces.append("</emotion>")
+            continue
+        if opened:
+            pieces.append("</emotion>")
+            opened.pop()
+        if name not in ends:
+            opened.append(name)
+            held.append(name)
+        strength = f' intensity="{found["strength"]}"' if found["strength"] else ""
+        pieces.append(f'<emotion name="{emotion_called(name)}"{strength}>')
+    return "".join([*pieces, text[place:], "</emotion>" * len(opened)]), tuple(dict.fromkeys(held))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mien.pipeline.speak import speak
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import translate
 from mien.serve.modules.xml_form import curve_element, one_line, script_element, spoken_element
 from mien.text.commands import Command, shipped_library
 from mien.text.script_reading import read_script

@@ -6,7 +6,7 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.pipeline.speak import speak
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import translate
 from mien.serve.modules.messages import Message, Messages
 from mien.serve.modules.xml_form import (
     element_of,

@@ -11,8 +11,7 @@ from mien.core.timeline import Interval, Tier
 from mien.motion.mouth.hand_made_mouth import HandMadeMouth
 from mien.text.languages import find_language, heard_as, in_english_phones, known_languages, native_tier
 from mien.text.languages.language import Language
-from mien.text.languages.language_detection import looks_like, note_on_language
-from mien.text.languages.reading import read_in
+from mien.text.languages.reading import looks_like, note_on_language, read_in
 from tests.programs import voice_or_skip
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from mien.core.errors import InputError
 from mien.text.languages import find_language, known_languages, read_in
-from mien.text.languages.language_detection import looks_like
 from mien.text.languages.pinyin import with_tone_digits
+from mien.text.languages.reading import looks_like
 
 WANTED = {"fi", "de", "es", "fr", "it", "pt", "nl", "sv", "pl", "cs", "tr", "ru", "el", "zh", "ja"}
 ENGLISH = Path(__file__).parents[3] / "benchmarks" / "voices_sentences.txt"

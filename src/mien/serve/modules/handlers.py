@@ -14,8 +14,7 @@ from mien.core.timeline import FrameRate
 from mien.motion.performer import Performer
 from mien.pipeline.edited_performance import perform_spoken
 from mien.pipeline.speak import speak
-from mien.pipeline.spoken import Spoken
-from mien.pipeline.translate import translate
+from mien.pipeline.spoken import Spoken, translate
 from mien.serve.modules.messages import Message
 from mien.serve.modules.xml_form import (
     curve_element,

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from mien.text.emotion_words import NOUNS, emotion_called, with_long_tags
+from mien.core.emotions import NOUNS, emotion_called
 from mien.text.score import EmotionSpan
 from mien.text.script_reading import read_script
+from mien.text.tags import with_long_tags
 
 
 @pytest.mark.parametrize(("noun", "emotion"), sorted(NOUNS.items()))

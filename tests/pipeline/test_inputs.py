@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mien.core.errors import InputError
-from mien.pipeline.text_inputs import read_text, script_of, text_or_file
+from mien.pipeline.inputs import read_text, script_of, text_or_file
 
 
 def test_names_and_texts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
