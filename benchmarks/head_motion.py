@@ -27,6 +27,7 @@ from mien.motion.alive.head_motion import GAIN, RATE, LearnedHead
 from mien.motion.alive.idle import HEAD_SWAY, HEAD_TIME
 from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.motion.drift import smooth_drift
+from mien.speech.stressed_vowels import stressed_words
 
 TABLE = Path(__file__).parent.parent / "docs" / "tables" / "head_motion.md"
 RIDGES = (1e1, 1e2, 1e3, 1e4, 1e5)
@@ -52,7 +53,9 @@ def said_in(take: Take, number: int) -> Said | None:
     times = rate.times(len(take.markers))
     utterance = Utterance(take.text, take.audio, take.words, take.phones, "en-US", "aligned", ())
     random = np.random.default_rng(number)
-    ruled = HandMadeProsody(1.0).perform(utterance, rate, random)[:, [ALL.index(name) for name in HEAD]]
+    ruled = HandMadeProsody(1.0).perform(utterance, stressed_words(utterance), rate, random)[
+        :, [ALL.index(name) for name in HEAD]
+    ]
     ruled = np.vstack([ruled, np.zeros((max(0, len(times) - len(ruled)), 3))])[: len(times)]
     sway = np.stack([HEAD_SWAY[name] * smooth_drift(times, HEAD_TIME, random) for name in HEAD], axis=1)
     inside = (times >= take.words.intervals[0].start - 0.1) & (times <= take.words.intervals[-1].end + 0.1)

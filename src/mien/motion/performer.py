@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -16,6 +17,7 @@ from mien.motion.alive.visual_prosody import HandMadeProsody
 from mien.motion.expression.hand_made_performance import hand_made_expression
 from mien.motion.expression.line import Line
 from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
+from mien.speech.stressed_vowels import StressedWord
 from mien.text.score import Score
 
 if TYPE_CHECKING:
@@ -88,7 +90,9 @@ class IdleModel(Protocol):
 class ProsodyModel(Protocol):
     """Accents and phrase ends of the voice, shown by brows and head."""
 
-    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> NDArray[np.float64]:
+    def perform(
+        self, utterance: Utterance, words: Sequence[StressedWord], rate: FrameRate, random: np.random.Generator
+    ) -> NDArray[np.float64]:
         """Channels, shape (frames, channels)."""
 
 

@@ -35,6 +35,7 @@ from mien.motion.mouth.hand_made_mouth import HandMadeMouth, MouthMotion
 from mien.motion.mouth.shown_closure import bilabial_seal, close_lips
 from mien.motion.mouth.singing import sing
 from mien.motion.performer import FeelingMouth, Performer
+from mien.speech.stressed_vowels import stressed_words
 from mien.text.effort_spans import AS_RECORDED, effort_over
 from mien.text.parameter_curves import ParameterCurve, lay_over
 from mien.text.score import Score
@@ -79,11 +80,12 @@ def perform(utterance: Utterance, score: Score, performer: Performer, rate: Fram
     effort = effort_over(score.efforts, performer.expression.effort(score, times), shown, times)
     if (effort != AS_RECORDED).any():
         mouth = articulate(mouth, effort, utterance.phones, rate, mean_mouth(performer.mouth))
-    line = line_of(utterance, mouth.values, rate) if score.emotions else None
+    words = stressed_words(utterance) if len(utterance.words) else ()
+    line = line_of(utterance, words, mouth.values, rate) if score.emotions else None
     expression = performer.expression.perform(score, utterance.duration, rate, for_expression, line=line)
     utterance.audio.rest()
     idle = performer.idle.perform(utterance, rate, for_idle, score)
-    prosody = performer.prosody.perform(utterance, rate, for_prosody)
+    prosody = performer.prosody.perform(utterance, words, rate, for_prosody)
     utterance.audio.rest()
     shut = bilabial_seal(mouth.seal, utterance.phones, times)
     gives_way, values = 1 - performer.expression.sealed_share, expression  # laid over one another in its place
@@ -189,7 +191,9 @@ def express(animation: Animation, score: Score, performer: Performer, seed: int 
     """
     random, rate, motion = np.random.default_rng(seed), animation.rate, animation.channels.select(channels.ALL).values
     duration = len(motion) / rate.fps
-    line = line_of(animation.utterance, motion, rate) if score.emotions and len(animation.utterance.phones) else None
+    line, spoken = None, animation.utterance
+    if score.emotions and len(spoken.phones):
+        line = line_of(spoken, stressed_words(spoken) if len(spoken.words) else (), motion, rate)
     expression = performer.expression.perform(score, duration, rate, random, neutral=False, line=line)[: len(motion)]
     seal = HandMadeMouth().seals(animation.utterance, rate)[0][: len(motion), None]
     share = np.ones((len(motion), 1))

@@ -39,7 +39,7 @@ LINE = sung_line("Bob found gold down here.", accented=2)
 
 
 def moved(line: Utterance, seed: int = 0, fps: float = 50, strength: float = 1.0) -> np.ndarray:
-    return HandMadeProsody(strength).perform(line, FrameRate.of(fps), np.random.default_rng(seed))
+    return HandMadeProsody(strength).perform(line, stressed_words(line), FrameRate.of(fps), np.random.default_rng(seed))
 
 
 def test_the_high_and_loud_word_is_the_accent() -> None:

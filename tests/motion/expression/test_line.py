@@ -23,7 +23,7 @@ def line_with(middle: str) -> Line:
     phones = Tier("phones", tuple(Interval(n / 2, n / 2 + 0.5, p) for n, p in enumerate(("SIL", "AA", middle, "AA"))))
     mouth = np.zeros((100, len(channels.ALL)))
     mouth[:, JAW] = 0.3
-    return line_of(Utterance("", Audio.silence(2.0, 1000), Tier("words", ()), phones, "en", "none"), mouth, RATE)
+    return line_of(Utterance("", Audio.silence(2.0, 1000), Tier("words", ()), phones, "en", "none"), (), mouth, RATE)
 
 
 @pytest.mark.parametrize("phone", ["S", "Z", "SH", "ZH", "CH", "JH"])

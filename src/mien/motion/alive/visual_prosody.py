@@ -21,7 +21,7 @@ from mien.core.errors import InputError
 from mien.core.poses import pose_vector, read_table
 from mien.core.timeline import FrameRate
 from mien.core.utterance import Utterance
-from mien.speech.stressed_vowels import StressedWord, stressed_words
+from mien.speech.stressed_vowels import StressedWord
 
 __all__ = ["DEFAULT_STRENGTH", "Accent", "HandMadeProsody"]
 
@@ -67,13 +67,17 @@ class HandMadeProsody:
         self._table = read_table(table)
         self._brow = pose_vector(self._table["brow"]["pose"], f"{table}, brow")
 
-    def perform(self, utterance: Utterance, rate: FrameRate, random: np.random.Generator) -> Floats:
-        """Channels of brows, head and eyes for every frame that covers the sound, shape (frames, channels)."""
+    def perform(
+        self, utterance: Utterance, words: Sequence[StressedWord], rate: FrameRate, random: np.random.Generator
+    ) -> Floats:
+        """Channels of brows, head and eyes for every frame that covers the sound, shape (frames, channels).
+
+        ``words`` are those of the utterance (`mien.speech.stressed_vowels.stressed_words`).
+        """
         times = rate.times(rate.frames_covering(utterance.duration))
         values = np.zeros((len(times), len(channels.ALL)), order="F")  # channels that rest take no memory
-        if self.strength == 0 or not len(utterance.words):
+        if self.strength == 0 or not words:
             return values
-        words = stressed_words(utterance)
         brow, pitch, roll = np.zeros(len(times)), np.zeros(len(times)), np.zeros(len(times))
         for accent in self.accents(words):
             chance, near = random.random(2), _near(times, accent.start, accent.end)

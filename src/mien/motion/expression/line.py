@@ -20,7 +20,7 @@ from mien.core.emotions import emotion_table
 from mien.core.time_spans import places_within, seconds_away
 from mien.core.timeline import FrameRate, Interval
 from mien.core.utterance import PAUSE, Utterance
-from mien.speech.stressed_vowels import stressed_words
+from mien.speech.stressed_vowels import StressedWord
 
 __all__ = ["Line", "line_of"]
 
@@ -46,12 +46,14 @@ class Line:
     speaking: Floats
 
 
-def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
+def line_of(utterance: Utterance, words: Sequence[StressedWord], mouth: Floats, rate: FrameRate) -> Line:
     """The line of an utterance.
 
     Parameters
     ----------
     utterance : Utterance
+    words : sequence of StressedWord
+        Its words (`mien.speech.stressed_vowels.stressed_words`).
     mouth : ndarray, shape (frames, channels)
         What the phones ask of the mouth, `mien.core.channels.ALL`.
     rate : FrameRate
@@ -67,7 +69,7 @@ def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
     >>> from mien.core.timeline import Interval, Tier
     >>> phones = Tier("phones", (Interval(0.0, 1.0, "SIL"), Interval(1.0, 2.0, "AA")))
     >>> silent = Utterance("", Audio.silence(2.0, 1000), Tier("words", ()), phones, "en", "none")
-    >>> line = line_of(silent, np.zeros((50, len(channels.ALL))), FrameRate.of(25))
+    >>> line = line_of(silent, (), np.zeros((50, len(channels.ALL))), FrameRate.of(25))
     >>> float(line.speaking[0]), bool(line.speaking[40] > 0.4), float(line.strength[0].round(2))
     (0.0, True, 0.85)
     """
@@ -75,8 +77,7 @@ def line_of(utterance: Utterance, mouth: Floats, rate: FrameRate) -> Line:
     times = rate.times(len(mouth))
     heard = _heard(utterance, times, table["settle"])
     strength = table["pause"] + (1 - table["pause"]) * _heard(utterance, times, table["ebb"])
-    if len(utterance.words):
-        words = stressed_words(utterance)
+    if words:
         levels = np.array([word.level for word in words])
         over = np.clip(np.nan_to_num((levels - np.median(levels)) / table["level_unit"]), -1.0, 1.0) * [
             not w.weak for w in words
