@@ -8,6 +8,8 @@ from functools import cache
 
 import numpy as np
 
+from mien.motion.graph.graph_motion import GraphMotionSettings
+from mien.motion.graph.search import SearchWeights
 from mien.motion.learning import LearningSettings, learn
 from mien.motion.mouth.coarticulation import CoarticulationSettings
 from mien.motion.mouth.correction import CorrectionSettings
@@ -32,7 +34,8 @@ THREE = Curves(np.array([[1.0, 0.0, 0.0], [-1.0, 0.5, 1.0]]), pairs=30, error=0.
 @cache
 def small_performer() -> LearnedSpeech:
     """Thirty strings of phones; OY and ZH are never said."""
-    settings = LearningSettings(SMALL, CoarticulationSettings(components=3, class_back_off=True))
+    graph = GraphMotionSettings(weights=SearchWeights(), evenness=0.5)  # how they are learned is tested elsewhere
+    settings = LearningSettings(SMALL, CoarticulationSettings(components=3, class_back_off=True), graph)
     return learn(takes(30), settings, name="small", about={"licence": "CC0 1.0"})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from mien.core.timeline import FrameRate, Interval, Tier
 from mien.core.tracks import ChannelTrack
 from mien.metrics.face_track import shown_landmarks
 from mien.motion.drift import smooth_drift
+from mien.motion.expression.expression_file import RecordedExpressions
 from mien.motion.expression.expression_motion import (
     Twins,
     expressive_displacement,
@@ -26,6 +28,14 @@ from mien.motion.expression.expression_space import RATE as SAMPLES
 from mien.motion.expression.recorded_expression import expression_of, learn_expressions
 from mien.text.score import EmotionSpan, Score
 from tests.motion.expressive_takes import KNOWN, LAYOUT, RATE, expression, take, takes
+
+
+@cache
+def learned_from_two() -> RecordedExpressions:
+    """What two sentences teach, learned once for all tests."""
+    learned = learn_expressions(takes(2))
+    assert learned is not None
+    return learned
 
 
 def tier(*phones: tuple[str, float, float]) -> Tier:
@@ -139,10 +149,8 @@ def shown(weights: np.ndarray, landmarks: tuple[int, ...], axis: int) -> np.ndar
 def test_on_the_face_they_are_as_large_as_they_were_and_move_alike(
     emotion: str, landmarks: tuple[int, ...], axis: int
 ) -> None:
-    recorded = takes(2)
-    learned = learn_expressions(recorded)
-    assert learned is not None
-    pairs = [pair for pair in find_twins(recorded) if pair.expressive.emotion == emotion]
+    learned = learned_from_two()
+    pairs = [pair for pair in find_twins(takes(2)) if pair.expressive.emotion == emotion]
     sizes = []
     for number, (pair, found) in enumerate(zip(pairs, learned.space.carried_[emotion], strict=True)):
         plain = pair.neutral.phones
@@ -157,15 +165,14 @@ def test_on_the_face_they_are_as_large_as_they_were_and_move_alike(
 
 
 def test_the_eyelids_are_carried_and_not_in_the_space() -> None:
-    learned = learn_expressions(takes(2))
-    assert learned is not None
+    learned = learned_from_two()
     assert learned.space.space_.mean_.shape == ((218 - 28) * 3,)
     new = learned.space.sample("surprised", 3.0, np.random.default_rng(0))
     assert new.carried[:, channels.ALL.index("eyeWideLeft")].mean() > 0.3
 
 
 def test_a_performer_uses_what_was_recorded_and_tells_what_was_not() -> None:
-    model = expression_of(learn_expressions(takes(2)))
+    model = expression_of(learned_from_two())
     asked = Score((EmotionSpan("surprised"), EmotionSpan("sad", start=1.0)))
     assert [note.message for note in model.notes(asked)] == [
         "sad was not recorded for this performer: its motion is hand-made"
