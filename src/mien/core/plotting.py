@@ -176,4 +176,4 @@ def write_png(image: Image.Image, path: str | Path) -> None:
         If it cannot be written.
     """
     with replace_when_complete(path) as unfinished:
-        image.save(unfinished, format="PNG", optimize=True)
+        image.save(unfinished, format="PNG")

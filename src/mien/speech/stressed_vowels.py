@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 
+from mien.core.errors import InputError
 from mien.core.timeline import Interval
 from mien.core.utterance import Utterance
 from mien.speech.pitch import level_contour, pitch_contour
@@ -106,7 +107,12 @@ def _weak_words(tag: str) -> frozenset[str]:
 def _marks(utterance: Utterance) -> Sequence[str]:
     """The punctuation after each word; none where the text does not count as many words."""
     count, text = len(utterance.words), utterance.text
-    marks = [token.pause for token in tokens_of(text) if token.text]
-    if len(marks) != count and utterance.language.lower().startswith("en") and text.strip():
-        marks = [word.pause for word in spoken_words(text).words]
+    marks: list[str] = []
+    if not utterance.language.lower().startswith("en"):
+        marks = [token.pause for token in tokens_of(text) if token.text]
+    elif text.strip():
+        try:
+            marks = [word.pause for word in spoken_words(text).words]  # knows that "Mr." ends no sentence
+        except InputError:  # labels of a TextGrid may hold anything
+            return [""] * count
     return marks if len(marks) == count else [""] * count
