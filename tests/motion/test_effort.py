@@ -118,7 +118,7 @@ def test_an_emotion_carries_effort_in_proportion_to_its_intensity_and_off_takes_
 
 def test_brows_and_nods_on_accents_go_with_the_effort() -> None:
     class Nods:
-        def perform(self, spoken, rate, random):  # type: ignore[no-untyped-def]
+        def perform(self, spoken, words, rate, random):  # type: ignore[no-untyped-def]
             values = np.zeros((rate.frames_covering(spoken.duration), len(channels.ALL)))
             values[:, channels.ALL.index("browInnerUp")] = 0.2
             return values
