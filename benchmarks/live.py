@@ -1,22 +1,24 @@
 """How good and how fast is live? Writes docs/tables/live.md.
 
-    python benchmarks/live.py accuracy --data FOLDER        about ten minutes on two cores
+    python benchmarks/live.py accuracy [--data FOLDER]      about ten minutes on two cores
     python benchmarks/live.py timing                        about four minutes, on a machine that does nothing else
     python benchmarks/live.py page                          about a minute; wants Chromium
 
-FOLDER holds timit-sample. Each part is written to its own place in the file; the others stay. Definitions stand at the
+FOLDER (default: MIEN_DATA, or ../shared/data beside the clone) holds timit-sample. Each part is written to its own place in the file; the others stay. Definitions stand at the
 heads of ``live_accuracy.py``, ``live_timing.py`` and ``live_page.py``.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-OUT = Path(__file__).parent.parent / "docs" / "tables" / "live.md"
+ROOT = Path(__file__).parent.parent
+OUT = ROOT / "docs" / "tables" / "live.md"
 HEAD = "# Live\n\nWritten by `python benchmarks/live.py`, a part each by `accuracy`, `timing` and `page`.\n"
 PARTS = ("accuracy", "timing", "page")
 
@@ -24,7 +26,12 @@ PARTS = ("accuracy", "timing", "page")
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", choices=PARTS)
-    parser.add_argument("--data", type=Path, help="for accuracy: the folder that holds timit-sample")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        default=Path(os.environ.get("MIEN_DATA", ROOT.parent / "shared" / "data")),
+        help="for accuracy: the folder that holds timit-sample (default: MIEN_DATA, or ../shared/data beside the clone)",
+    )
     parser.add_argument("--subset", type=int, help="for accuracy: so many utterances, for a quick look")
     options = parser.parse_args()
     with threadpool_limits(1):

@@ -10,7 +10,8 @@
   (mm), against what ``mien animate`` makes of the same sound with its text (the default performer, whole). ``same
   model``: against the same speech model (learned curves) over the hand-made phones with no limit ahead: what is lost by
   not knowing the future, if every phone were known as soon as it is said.
-* Harmed sound: every third utterance, 150 ms; noise is white and its level relative to the mean power of the utterance.
+* Harmed sound: every third utterance, ``live, 150 ms``; noise is white and its level relative to the mean power of the
+  utterance.
 """
 
 from __future__ import annotations
@@ -39,7 +40,6 @@ from mien.motion.performer import Performer
 from mien.motion.performers import load_performer
 from mien.serve.live.animator import LiveAnimator, LiveSettings
 from mien.speech.align import align
-from mien.speech.phone_stream import PhoneStream
 from mien.speech.recognise import recognise
 from mien.speech.streaming_features import RATE as HEARD
 
@@ -53,6 +53,8 @@ _LIPS = (
 )
 
 Floats = NDArray[np.float64]
+Harm = Callable[[Floats, np.random.Generator], Floats]
+"""What is done to a sound at 16 kHz."""
 
 
 @dataclass(frozen=True)
@@ -103,12 +105,12 @@ def labels_of(phones: Sequence[Interval], times: Floats) -> list[str]:
     return [phones[p].label if p >= 0 and t < phones[p].end else PAUSE for p, t in zip(place, times, strict=True)]
 
 
-def live(item: Labelled, look_ahead: float) -> Shown:
+def live(item: Labelled, look_ahead: float, harm: Harm = lambda samples, _: samples) -> Shown:
     """What ``mien live`` shows, without its clock."""
     animator = LiveAnimator(performer(), LiveSettings(look_ahead, RATE))
-    samples = item.audio.resampled(HEARD).samples.astype(np.float64)
+    samples = harm(item.audio.resampled(HEARD).samples.astype(np.float64), np.random.default_rng(1))
     frames = RATE.frames_covering(item.audio.duration)
-    padded = np.concatenate([samples, np.zeros(HEARD)])
+    padded = np.concatenate([samples, np.full(HEARD, samples[-1])])
     given, labels, values = 0, [], []
     began = time.process_time()
     for number in range(frames):
@@ -192,16 +194,17 @@ def section(items: list[Labelled], damaged: int) -> Iterator[str]:
         pairs = [(known.streamed(item, look_ahead), known.whole(item)) for item in items]
         yield f"| {look_ahead * 1000:g} ms | {_rms(pairs):.4f} | {_millimetres(pairs, mouth):.2f} |"
     yield "\nHarmed sound.\n"
-    yield "| sound | frames with the right viseme |"
-    yield "| --- | --- |"
+    yield "| sound | frames with the right viseme | closures F1 (recall, precision) |"
+    yield "| --- | --- | --- |"
     for name, harm in harmed().items():
-        yield f"| {name} | {np.concatenate([_heard(item, harm) for item in items[::3]]).mean():.1%} |"
+        heard = [live(item, 0.15, harm) for item in items[::3]]
+        yield f"| {name} | {_right(heard, items[::3])} | {_closures(heard, items[::3], mouth)} |"
 
 
-def harmed() -> dict[str, Callable[[Floats, np.random.Generator], Floats]]:
-    """What is done to a sound at 16 kHz."""
+def harmed() -> dict[str, Harm]:
+    """The ways in which sounds are harmed."""
 
-    def noisy(decibels: float) -> Callable[[Floats, np.random.Generator], Floats]:
+    def noisy(decibels: float) -> Harm:
         return lambda x, random: x + random.normal(0, x.std() * 10 ** (-decibels / 20), len(x))
 
     def room(x: Floats, random: np.random.Generator) -> Floats:
@@ -223,40 +226,32 @@ def harmed() -> dict[str, Callable[[Floats, np.random.Generator], Floats]]:
     }
 
 
-def _heard(item: Labelled, harm: Callable[[Floats, np.random.Generator], Floats]) -> NDArray[np.bool_]:
-    """In which frames the viseme is right with 150 ms of look-ahead."""
-    stream, shown, given = PhoneStream(), [], 0
-    samples = harm(item.audio.resampled(HEARD).samples.astype(np.float64), np.random.default_rng(1))
-    samples = np.concatenate([samples, np.full(HEARD, samples[-1])])
-    times = RATE.times(RATE.frames_covering(item.audio.duration))
-    for seconds in times:
-        upto = round((seconds + 0.15) * HEARD)
-        stream.push(samples[given:upto])
-        given = upto
-        phone = stream.phones().at(seconds)
-        shown.append(phone.label if phone else PAUSE)
-    true = visemes(labels_of(item.phones, times))
-    return np.array([a == b for a, b in zip(visemes(shown), true, strict=True)])
-
-
 def _row(name: str, shown: list[Shown], reference: list[Shown], items: list[Labelled], mouth: Mouth) -> str:
-    right: list[NDArray[np.bool_]] = []
-    counts = ClosureCounts(0, 0, 0, 0)
-    for one, item in zip(shown, items, strict=True):
-        times = RATE.times(len(one.values))
-        same = np.array(
-            [a == b for a, b in zip(visemes(one.labels), visemes(labels_of(item.phones, times)), strict=True)]
-        )
-        right.append(same)
-        counts += closure_counts(mouth.opening(one.values), times, Tier("phones", item.phones))
     pairs = [(one.values, other.values) for one, other in zip(shown, reference, strict=True)]
     own = shown is reference
     return (
-        f"| {name} | {np.concatenate(right).mean():.1%} | "
-        f"{counts.f1:.2f} ({counts.recall:.2f}, {counts.precision:.2f}) | "
+        f"| {name} | {_right(shown, items)} | {_closures(shown, items, mouth)} | "
         f"{'' if own else f'{_rms(pairs):.4f}'} | {'' if own else f'{_millimetres(pairs, mouth):.2f}'} | "
         f"{_share([one.processor for one in shown])} |"
     )
+
+
+def _right(shown: list[Shown], items: list[Labelled]) -> str:
+    """Share of frames with the right viseme."""
+    same: list[bool] = []
+    for one, item in zip(shown, items, strict=True):
+        true = visemes(labels_of(item.phones, RATE.times(len(one.values))))
+        same += [a == b for a, b in zip(visemes(one.labels), true, strict=True)]
+    return f"{np.mean(same):.1%}"
+
+
+def _closures(shown: list[Shown], items: list[Labelled], mouth: Mouth) -> str:
+    """How well closures are found: F1, recall and precision."""
+    counts = ClosureCounts(0, 0, 0, 0)
+    for one, item in zip(shown, items, strict=True):
+        times = RATE.times(len(one.values))
+        counts += closure_counts(mouth.opening(one.values), times, Tier("phones", item.phones))
+    return f"{counts.f1:.2f} ({counts.recall:.2f}, {counts.precision:.2f})"
 
 
 def _share(processor: list[float | None]) -> str:

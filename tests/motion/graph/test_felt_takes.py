@@ -77,7 +77,9 @@ def test_the_way_of_speaking_is_that_of_the_emotion_asked_for(learned, model):
         plain, felt = (synthesise(learned.model(model), said.phones, times, said.audio, t) for t in (None, always))
         assert np.corrcoef(opening(plain), opening(said.markers.positions))[0, 1] > 0.85
         ratios.append(opening(felt).std() / opening(plain).std())
-        assert abs(felt[:, 4:6, 1].mean() - plain[:, 4:6, 1].mean()) < 1.5  # the sinking corners are the expression's
+        # Corners that are 6 mm lower all the time are the expression's: less than half of that may reach the speech,
+        # from a network that has learned for two epochs.
+        assert abs(felt[:, 4:6, 1].mean() - plain[:, 4:6, 1].mean()) < 3.0
     assert np.mean(ratios) == pytest.approx(LARGER, rel=0.25)
 
 
