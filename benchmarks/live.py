@@ -4,8 +4,9 @@
     python benchmarks/live.py timing                        about four minutes, on a machine that does nothing else
     python benchmarks/live.py page                          about a minute; wants Chromium
 
-FOLDER (default: MIEN_DATA, or ../shared/data beside the clone) holds timit-sample. Each part is written to its own place in the file; the others stay. Definitions stand at the
-heads of ``live_accuracy.py``, ``live_timing.py`` and ``live_page.py``.
+FOLDER (default: MIEN_DATA, or ../shared/data beside the clone) holds timit-sample. Each part is written to its own
+place in the file; the others stay. Definitions stand at the heads of ``live_accuracy.py``, ``live_timing.py`` and
+``live_page.py``.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def main() -> None:
         "--data",
         type=Path,
         default=Path(os.environ.get("MIEN_DATA", ROOT.parent / "shared" / "data")),
-        help="for accuracy: the folder that holds timit-sample (default: MIEN_DATA, or ../shared/data beside the clone)",
+        help="for accuracy: the folder that holds timit-sample (default: MIEN_DATA, or ../shared/data)",
     )
     parser.add_argument("--subset", type=int, help="for accuracy: so many utterances, for a quick look")
     options = parser.parse_args()
