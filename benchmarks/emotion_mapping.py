@@ -17,7 +17,7 @@ columns. `best possible` knows the truth: the very change without noise, wander 
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -186,18 +186,22 @@ def cost(takes: list[Take]) -> str:
 
 
 def main() -> None:
-    corpus = Corpus(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("corpus", help="made by 'mien corpus import' of grid-s1")
+    parser.add_argument("kind", nargs="?", help="part of the title of one kind: only this is measured, and printed")
+    options = parser.parse_args()
+    corpus = Corpus(options.corpus)
     step = len(corpus) // (4 * SENTENCES)
     takes = [corpus.take(name) for name in list(corpus.names)[::step]]
     takes = [take for take in takes if np.isfinite(take.markers.positions).all()][:SENTENCES]
-    kinds = [kind for kind in KINDS if len(sys.argv) < 3 or sys.argv[2] in kind.title]
+    kinds = [kind for kind in KINDS if options.kind is None or options.kind in kind.title]
     told = [" ".join(part.split()) for part in (__doc__ or "").split("\n\n")[2:]]
     parts = ["# Maps between emotions, on made-up emotional motion", "", "\n\n".join(told), ""]
     parts += ["Every fourth marker of 218, 8 sentences. " + cost(takes)]
     for kind in kinds:
         parts += ["", f"## {kind.title}", "", *([kind.truth, ""] if kind.truth else []), table(takes, kind)]
         print("\n".join(parts[-4:]), flush=True)
-    if len(sys.argv) < 3:
+    if options.kind is None:
         with replace_when_complete(TABLE) as unfinished:
             unfinished.write_text("\n".join(parts) + "\n", encoding="utf-8")
 

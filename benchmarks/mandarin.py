@@ -7,6 +7,7 @@ Needs facegood-mandarin (MIEN_DATA, or ../shared/data beside the clone). CACHE i
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 from pathlib import Path
@@ -87,7 +88,9 @@ def row(name: str, mouth: MouthModel, takes: list[Take], face: OnFace) -> str:
 
 def main() -> None:
     """Learn from five recordings, measure on two."""
-    cache, face = Path(sys.argv[1]), OnFace()
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("cache", type=Path, help="the folder of tools/learn_mandarin.py")
+    cache, face = parser.parse_args().cache, OnFace()
     names = sorted(path.stem for path in (DATA / "audio").glob("*.flac"))
     seen = [heard_right(take) for name in names if name not in HELD_OUT for take in takes_of(DATA, cache, name)]
     takes = [take for name in HELD_OUT for take in takes_of(DATA, cache, name)]

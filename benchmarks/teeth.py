@@ -7,7 +7,7 @@ Lips can be right over a jaw that is not: recordings of one camera leave the jaw
 
 from __future__ import annotations
 
-import sys
+import argparse
 from collections import defaultdict
 
 import numpy as np
@@ -53,7 +53,9 @@ def heights(name: str, vertex: int, animation: mien.Animation) -> NDArray[np.flo
 
 def main() -> None:
     """Print the table."""
-    performer = sys.argv[1] if len(sys.argv) > 1 else "default"
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("performer", nargs="?", default="default", help="a name or a .mien (default: default)")
+    performer = parser.parse_args().performer
     upper, lower = incisors("teeth_upper", -1.0), incisors("teeth_lower", 1.0)
     found: dict[str, list[float]] = defaultdict(list)
     for sentence in SENTENCES:

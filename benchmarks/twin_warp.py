@@ -9,7 +9,7 @@ noise. The error is that of the time found by the motion of the mouth alone agai
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +45,9 @@ def error(take: Take, random: np.random.Generator) -> np.ndarray:
 
 
 def main() -> None:
-    corpus, random = Corpus(sys.argv[1]), np.random.default_rng(0)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("corpus", help="made by 'mien corpus import' of grid-s1")
+    corpus, random = Corpus(parser.parse_args().corpus), np.random.default_rng(0)
     takes = [corpus.take(name) for name in list(corpus.names)[:: max(1, len(corpus) // TAKES)]]
     missed = [
         error(take, random) for take in takes if np.isfinite(take.markers.positions).all() and len(take.phones) > 3

@@ -11,7 +11,7 @@ out of the head's motion left behind), and what remains.
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import numpy as np
 
@@ -22,7 +22,9 @@ TAKES = 60
 
 
 def main() -> None:
-    corpus = Corpus(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("corpus", help="made by 'mien corpus import' of grid-s1")
+    corpus = Corpus(parser.parse_args().corpus)
     parts = []
     for name in list(corpus.names)[:: max(1, len(corpus) // TAKES)]:
         take = corpus.take(name)

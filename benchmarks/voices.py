@@ -17,6 +17,7 @@ The sentences of voices_sentences.txt are spoken, four at a time, and measured:
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -198,6 +199,7 @@ def row(voice: Voice, figures: Figures) -> str:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     sentences = (HERE / "voices_sentences.txt").read_text(encoding="utf-8").splitlines()
     texts = [spoken_words(" ".join(sentences[i : i + GROUP])) for i in range(0, len(sentences), GROUP)]
     phones = sum(len(pronounce(word.text)) for text in texts for word in text.words)
