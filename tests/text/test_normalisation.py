@@ -258,6 +258,22 @@ def test_directions_and_names_are_not_spoken_and_named_in_a_note(written: str, s
     assert [noted in note.message for note in text.notes] == ([True] if noted else [])
 
 
+@pytest.mark.parametrize(
+    ("written", "said", "names"),
+    [
+        ("(sighs) BOB: No.", "no", "BOB"),
+        ("[a very long roll of thunder] BOB: No.", "no", "BOB"),
+        ("NARRATOR (quietly): It rained.\n(laughs) Anna: Yes.", "it rained yes", "NARRATOR, Anna"),
+        ("He said (quietly): no.", "he said no", ""),
+    ],
+)
+def test_directions_may_stand_about_a_speakers_name(written: str, said: str, names: str) -> None:
+    text = spoken_words(written)
+    assert text.spoken == said
+    found = [note.message.rpartition("speaker: ")[2] for note in text.notes if "speaker: " in note.message]
+    assert found == ([names] if names else [])
+
+
 def test_places_in_the_written_text_are_kept() -> None:
     written = "ANNA: (sighs) The ﬁne [bang] line."
     text = spoken_words(written)

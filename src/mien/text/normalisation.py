@@ -201,7 +201,7 @@ def _is_shouting(text: str) -> bool:
 
 _SQUARE = re.compile(r"\[([^\[\]\n]{1,200})\]")
 _ROUND = re.compile(r"\(([^()\n]{1,60})\)|\*([^*\n]{1,60})\*")
-_NAME = re.compile(r"^[ \t]{0,20}([A-Z][A-Za-z.' -]{0,30}):(?=[ \t]+\S)", re.MULTILINE)
+_NAME = re.compile(r"^[ \t]*([A-Z][A-Za-z.' -]{0,30}?)([ \t]*):(?=[ \t]+\S)", re.MULTILINE)
 _MOST_WORDS = 4
 _MODIFIERS = ("very", "more", "quite", "still", "a", "long", "half")
 
@@ -234,15 +234,14 @@ def _without_directions(text: str) -> tuple[str, tuple[Note, ...]]:
         inside = next(part for part in match.groups() if part is not None)
         return hidden(match) if _is_direction(inside) else match[0]
 
-    speakers = _speakers(text)
-
     def hidden_name(match: re.Match[str]) -> str:
-        if match[1] not in speakers:
+        if match[1] not in speakers or not _may_be_name(match):
             return match[0]
         names.append(match[1])
         return " " * len(match[0])
 
     text = _ROUND.sub(hidden_if_heard, _SQUARE.sub(hidden, text))
+    speakers = _speakers(text)
     text = _NAME.sub(hidden_name, text)
     notes = []
     for what, said in (("the name of a speaker", names), ("stage directions", found)):
@@ -264,9 +263,14 @@ def _direction_words() -> frozenset[str]:
     return frozenset(english_table()["stage_directions"]["words"].split())
 
 
+def _may_be_name(match: re.Match[str]) -> bool:
+    """Whether the colon follows at once; a direction may stand between ("BOB (quietly): No.") after capitals only."""
+    return not match[2] or match[1].isupper()
+
+
 def _speakers(text: str) -> set[str]:
     """Names at the start of lines: in capitals, or of lines of which several begin with a name."""
-    at_start = [match[1] for match in _NAME.finditer(text)]
+    at_start = [match[1] for match in _NAME.finditer(text) if _may_be_name(match)]
     never = set(english_table()["stage_directions"]["not_names"].split())
     names = [name for name in at_start if name.lower() not in never and len(name.split()) <= 3]
     several = sum(Counter(names).values()) >= 2
