@@ -5,7 +5,8 @@
 A file in which one test takes more than `LONG` is slow as a whole: what its tests share is made by whichever comes
 first. Of the others the slowest tests are named, one by one, until what is left fits into `SECONDS` on the machine that
 was measured. Lines stand in the order in which the files are best run (tests/conftest.py): those that take longest
-first, so that no process is left with a long one at the end.
+first, so that no process is left with a long one at the end. Measure where no test is skipped: one that was (without a
+browser, without Blender) counts as fast.
 """
 
 from __future__ import annotations
